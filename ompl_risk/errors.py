@@ -1,0 +1,107 @@
+"""Every error and warning that the library raises; each takes facts and writes its own message."""
+
+from __future__ import annotations
+
+
+class OmplRiskError(Exception):
+    """Root of the library's errors: catch this to catch them all."""
+
+
+class ArgumentError(OmplRiskError, ValueError):
+    """An argument has a value that is not allowed.
+
+    Args:
+        argument: name of the argument as the caller wrote it.
+        value: what was given.
+        allowed: what would have been accepted, in words.
+    """
+
+    def __init__(self, argument: str, value: object, allowed: str) -> None:
+        self.argument, self.value, self.allowed = argument, value, allowed
+        super().__init__(f"{argument} = {value!r}: must be {allowed}")
+
+
+class FileError(OmplRiskError):
+    """A file cannot be read as what it should be.
+
+    Args:
+        path: the file.
+        problem: what is wrong, and where in the file if that is known.
+        remedy: what to do about it.
+    """
+
+    def __init__(self, path: object, problem: str, remedy: str = "") -> None:
+        self.path, self.problem, self.remedy = path, problem, remedy
+        super().__init__(f"{path}: {problem}" + (f"; {remedy}" if remedy else ""))
+
+
+class TerrainError(OmplRiskError, ValueError):
+    """Heights cannot serve as a terrain.
+
+    Args:
+        problem: what is wrong and where.
+        remedy: what to do about it.
+    """
+
+    def __init__(self, problem: str, remedy: str = "") -> None:
+        self.problem, self.remedy = problem, remedy
+        super().__init__(problem + (f"; {remedy}" if remedy else ""))
+
+
+class VoidError(TerrainError):
+    """A terrain has posts without a height.
+
+    Args:
+        count: number of void posts.
+        first: (row, column) of the first, counted from the south-west.
+    """
+
+    def __init__(self, count: int, first: tuple[int, int]) -> None:
+        self.count, self.first = count, first
+        super().__init__(
+            f"{count} void posts, the first at row {first[0]}, column {first[1]} from the south-west",
+            'a void is never read as 0: pass fill="interpolate" to fill them, or bounds= to leave them out',
+        )
+
+
+class ExtentError(OmplRiskError, ValueError):
+    """A query lies outside the terrain.
+
+    Args:
+        count: number of queries outside.
+        first: the first of them, (x, y) [m].
+        extent: (xmin, xmax, ymin, ymax) [m].
+    """
+
+    def __init__(
+        self, count: int, first: tuple[float, float], extent: tuple[float, float, float, float]
+    ) -> None:
+        self.count, self.first, self.extent = count, first, extent
+        xmin, xmax, ymin, ymax = extent
+        super().__init__(
+            f"{count} of the queried positions lie outside the terrain, the first at "
+            f"({first[0]:g}, {first[1]:g}) m; the terrain spans x {xmin:g} to {xmax:g} m, "
+            f"y {ymin:g} to {ymax:g} m"
+        )
+
+
+class TrapError(OmplRiskError):
+    """OMPL would hang, crash or silently ignore the objective; names the way round.
+
+    Args:
+        what: the call or class that is unsafe.
+        symptom: what OMPL would do.
+        instead: what to use.
+    """
+
+    def __init__(self, what: str, symptom: str, instead: str) -> None:
+        self.what, self.symptom, self.instead = what, symptom, instead
+        super().__init__(f"{what} {symptom}; {instead}")
+
+
+class TrapWarning(UserWarning):
+    """OMPL goes on, but not as one would expect; the message names the way round."""
+
+
+class DurationWarning(UserWarning):
+    """Trajectories of different duration are ranked together, so their norms do not compare."""
