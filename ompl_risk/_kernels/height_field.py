@@ -1,0 +1,427 @@
+"""Exact signed distance from points to a triangulated height field.
+
+The surface: posts on a regular grid, every cell split by the diagonal from its south-west to its
+north-east post. Coordinates inside are relative to the south-west post of the map.
+
+The search prunes with a pyramid of blocks of cells. A block stores one plane (slopes a, b) and
+two offsets, so that all of its posts lie between ``a u + b v + lo`` and ``a u + b v + hi`` with
+(u, v) counted from the block's centre. The distance to the half-space below the upper plane,
+within the block's rectangle, is a lower bound for the distance to the surface in it, and on
+sloping ground a far tighter one than the block's bounding box gives.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ompl_risk._kernels.jit import entry, kernel
+from ompl_risk._kernels.prefetch import prefetch
+
+BASE = 4
+"""Cells along the edge of a block on the finest level of the pyramid."""
+
+STACK = 160
+"""Entries that a search can hold: three siblings for each of up to 28 levels, and the roots."""
+
+
+class HeightField(NamedTuple):
+    """What the kernels need to know of a terrain.
+
+    Attributes:
+        heights: posts [m], shape (ny, nx), row 0 in the south.
+        blocks: a, b, hi, lo of every block, shape (n, 4), level after level, finest first; the four
+            children of a block stand side by side, in one cache line.
+        levels: rows and columns of blocks, first block, columns of families of each level,
+            shape (levels, 4).
+        grid: x0, y0, dx, dy [m], shape (4,).
+    """
+
+    heights: NDArray[np.float64]
+    blocks: NDArray[np.float32]
+    levels: NDArray[np.int64]
+    grid: NDArray[np.float64]
+
+
+def pyramid_shape(ny: int, nx: int) -> NDArray[np.int64]:
+    """``HeightField.levels`` for a map of ny x nx posts, up to the level that is a single block."""
+    levels, first, size = [], 0, BASE
+    while True:
+        rows, columns = -(-(ny - 1) // size), -(-(nx - 1) // size)
+        families = (rows + 1) // 2, (columns + 1) // 2
+        levels.append((rows, columns, first, families[1]))
+        first += 4 * families[0] * families[1]
+        if rows == columns == 1:
+            return np.array(levels, dtype=np.int64)
+        size *= 2
+
+
+@kernel
+def block_index(i, j, families):
+    """Place of block (i, j) within its level."""
+    return 4 * ((i >> 1) * families + (j >> 1)) + 2 * (i & 1) + (j & 1)
+
+
+@entry
+def fit_blocks(heights, dx, dy, size, columns, families, out, first, last):
+    """Fill ``out``, one level of blocks, with the planes of block rows ``first`` to ``last``."""
+    ny, nx = heights.shape
+    for i in range(first, last):
+        for j in range(columns):
+            south, west = i * size, j * size
+            north, east = min(south + size, ny - 1), min(west + size, nx - 1)
+            a, b = _slopes(heights, south, north, west, east, dx, dy)
+            a, b = float(np.float32(a)), float(np.float32(b))
+            u0, v0 = -0.5 * size * dx, -0.5 * size * dy
+            hi, lo = -math.inf, math.inf
+            for row in range(south, north + 1):
+                at = b * (v0 + (row - south) * dy) + a * u0
+                for column in range(west, east + 1):
+                    residual = heights[row, column] - (at + a * dx * (column - west))
+                    hi = max(hi, residual)
+                    lo = min(lo, residual)
+            slack = 1e-9 * (abs(hi) + abs(lo)) + 1e-12
+            block = block_index(i, j, families)
+            out[block, 0], out[block, 1] = a, b
+            out[block, 2] = _round_up(hi + slack)
+            out[block, 3] = -_round_up(slack - lo)
+
+
+@kernel
+def _round_up(value):
+    """Smallest float32 that is not below ``value``, or the next one."""
+    return np.nextafter(np.float32(value), np.float32(np.inf))
+
+
+@kernel
+def _slopes(heights, south, north, west, east, dx, dy):
+    """Least-squares slopes of the posts of a block."""
+    rows, columns = north - south + 1, east - west + 1
+    su = sv = 0.0
+    for row in range(south, north + 1):
+        total = 0.0
+        moment = 0.0
+        for column in range(west, east + 1):
+            h = heights[row, column]
+            total += h
+            moment += h * (column - west)
+        su += moment - 0.5 * (columns - 1) * total
+        sv += total * (row - south - 0.5 * (rows - 1))
+    # sum of (k - mean)^2 for k = 0 .. n-1 is n (n^2 - 1) / 12
+    a = su / (rows * columns * (columns * columns - 1) / 12.0 * dx)
+    b = sv / (columns * rows * (rows * rows - 1) / 12.0 * dy)
+    return a, b
+
+
+@kernel
+def surface_height(field, x, y):
+    """Height of the surface [m] at a position inside the extent."""
+    heights, grid = field.heights, field.grid
+    ny, nx = heights.shape
+    fx, fy = (x - grid[0]) / grid[2], (y - grid[1]) / grid[3]
+    j, i = min(max(int(fx), 0), nx - 2), min(max(int(fy), 0), ny - 2)
+    fx, fy = fx - j, fy - i
+    sw, ne = heights[i, j], heights[i + 1, j + 1]
+    if fx >= fy:
+        se = heights[i, j + 1]
+        return sw + (se - sw) * fx + (ne - se) * fy
+    nw = heights[i + 1, j]
+    return sw + (ne - nw) * fx + (nw - sw) * fy
+
+
+@kernel
+def _segment(px, py, pz, ux, uy, uz, best, qx, qy, qz, ox, oy, oz):
+    """Nearest point on the segment from the origin ``o`` along ``u``, if nearer than ``best``."""
+    rx, ry, rz = px - ox, py - oy, pz - oz
+    along, length = rx * ux + ry * uy + rz * uz, ux * ux + uy * uy + uz * uz
+    if along > 0.0:
+        if along >= length:
+            rx, ry, rz = rx - ux, ry - uy, rz - uz
+            ox, oy, oz = ox + ux, oy + uy, oz + uz
+        elif (rx * rx + ry * ry + rz * rz - best) * length < along * along:
+            s = along / length
+            rx, ry, rz = rx - s * ux, ry - s * uy, rz - s * uz
+            ox, oy, oz = ox + s * ux, oy + s * uy, oz + s * uz
+        else:
+            return best, qx, qy, qz
+    distance = rx * rx + ry * ry + rz * rz
+    if distance < best:
+        return distance, ox, oy, oz
+    return best, qx, qy, qz
+
+
+@kernel
+def _lower(x, y, z, dx, dy, sw, se, ne, best, qx, qy, qz, x0, y0, fx, fy, step):
+    """Nearest point on the triangle SW, SE, NE, if nearer than ``best`` (squared).
+
+    The foot (fx, fy) of the perpendicular on the plane either lies in the triangle, or the nearest
+    point lies on an edge that is visible from the foot.
+    """
+    if fx <= dx and fy >= 0.0 and fy * dx <= fx * dy:
+        return 0.0, x0 + fx, y0 + fy, z - step
+    if fy < 0.0:
+        best, qx, qy, qz = _segment(x, y, z, dx, 0.0, se - sw, best, qx, qy, qz, x0, y0, sw)
+    if fx > dx:
+        best, qx, qy, qz = _segment(x, y, z, 0.0, dy, ne - se, best, qx, qy, qz, x0 + dx, y0, se)
+    if fy * dx > fx * dy:
+        best, qx, qy, qz = _segment(x, y, z, dx, dy, ne - sw, best, qx, qy, qz, x0, y0, sw)
+    return best, qx, qy, qz
+
+
+@kernel
+def _upper(x, y, z, dx, dy, sw, nw, ne, best, qx, qy, qz, x0, y0, fx, fy, step):
+    """Nearest point on the triangle SW, NE, NW, if nearer than ``best`` (squared)."""
+    if fx >= 0.0 and fy <= dy and fy * dx >= fx * dy:
+        return 0.0, x0 + fx, y0 + fy, z - step
+    if fx < 0.0:
+        best, qx, qy, qz = _segment(x, y, z, 0.0, dy, nw - sw, best, qx, qy, qz, x0, y0, sw)
+    if fy > dy:
+        best, qx, qy, qz = _segment(x, y, z, dx, 0.0, ne - nw, best, qx, qy, qz, x0, y0 + dy, nw)
+    if fy * dx < fx * dy:
+        best, qx, qy, qz = _segment(x, y, z, dx, dy, ne - sw, best, qx, qy, qz, x0, y0, sw)
+    return best, qx, qy, qz
+
+
+@kernel
+def _cells(heights, i0, i1, j0, j1, known, dx, dy, x, y, z, best, qx, qy, qz):
+    """Nearest point on the cells of rows i0 to i1, columns j0 to j1 (exclusive) but ``known``.
+
+    Most cells are dismissed by their bounding box, most triangles by their plane.
+    """
+    per_dx, per_dy = 1.0 / dx, 1.0 / dy
+    for i in range(i0, i1):
+        y0 = i * dy
+        py = y - y0
+        v = max(-py, py - dy, 0.0)
+        if v * v >= best:
+            continue
+        sw, nw = heights[i, j0], heights[i + 1, j0]
+        for j in range(j0, j1):
+            se, ne = heights[i, j + 1], heights[i + 1, j + 1]
+            x0 = j * dx
+            px = x - x0
+            u = max(-px, px - dx, 0.0)
+            w = max(z - max(max(sw, se), max(nw, ne)), min(min(sw, se), min(nw, ne)) - z, 0.0)
+            if u * u + v * v + w * w >= best or i * (heights.shape[1]) + j == known:
+                sw, nw = se, ne
+                continue
+            gx, gy = (se - sw) * per_dx, (ne - se) * per_dy
+            over = z - (sw + gx * px + gy * py)
+            n2 = 1.0 + gx * gx + gy * gy
+            if over * over < best * n2:
+                step = over / n2
+                near, qx, qy, qz = _lower(
+                    x, y, z, dx, dy, sw, se, ne, best, qx, qy, qz,
+                    x0, y0, px + gx * step, py + gy * step, step,
+                )  # fmt: skip
+                best = near if near > 0.0 else over * step
+            gx, gy = (ne - nw) * per_dx, (nw - sw) * per_dy
+            over = z - (sw + gx * px + gy * py)
+            n2 = 1.0 + gx * gx + gy * gy
+            if over * over < best * n2:
+                step = over / n2
+                near, qx, qy, qz = _upper(
+                    x, y, z, dx, dy, sw, nw, ne, best, qx, qy, qz,
+                    x0, y0, px + gx * step, py + gy * step, step,
+                )  # fmt: skip
+                best = near if near > 0.0 else over * step
+            sw, nw = se, ne
+    return best, qx, qy, qz
+
+
+@kernel
+def _quadratic(a, b, over, west, east, south, north):
+    """Minimum of u^2 + v^2 + (over - a u - b v)^2 over a rectangle, and the residual there.
+
+    Convex: either the free minimum lies inside, or the minimum lies on a side visible from it.
+    """
+    n = over / (1.0 + a * a + b * b)
+    u, v = a * n, b * n
+    best, residual = math.inf, 0.0
+    inside = True
+    if u < west or u > east:
+        inside = False
+        side = west if u < west else east
+        along = b * (over - a * side) / (1.0 + b * b)
+        along = min(max(along, south), north)
+        residual = over - a * side - b * along
+        best = side * side + along * along + residual * residual
+    if v < south or v > north:
+        inside = False
+        side = south if v < south else north
+        along = a * (over - b * side) / (1.0 + a * a)
+        along = min(max(along, west), east)
+        r = over - a * along - b * side
+        value = side * side + along * along + r * r
+        if value < best:
+            best, residual = value, r
+    if inside:
+        return over * n, n
+    return best, residual
+
+
+@kernel
+def _bound(blocks, block, size, i, j, width, depth, dx, dy, x, y, z, best):
+    """Lower bound for the squared distance to the surface in a block, never above the truth.
+
+    Infinite where a cheap test shows that it is not below ``best``.
+    """
+    half = 0.5 * size
+    cx, cy = (j * size + half) * dx - x, (i * size + half) * dy - y
+    west, south = cx - half * dx, cy - half * dy
+    east, north = min(cx + half * dx, width - x), min(cy + half * dy, depth - y)
+    u, v = max(west, -east, 0.0), max(south, -north, 0.0)
+    across = u * u + v * v
+    a, b = float(blocks[block, 0]), float(blocks[block, 1])
+    over = z + a * cx + b * cy - blocks[block, 2]
+    if across >= best or (over > 0.0 and over * over >= best * (1.0 + a * a + b * b)):
+        return math.inf
+    value, residual = _quadratic(a, b, over, west, east, south, north)
+    if residual >= 0.0:
+        return value
+    over = z + a * cx + b * cy - blocks[block, 3]
+    value, residual = _quadratic(a, b, over, west, east, south, north)
+    return value if residual <= 0.0 else across
+
+
+@kernel
+def nearest(field, x, y, z, bound, stack, keys):
+    """Nearest surface point to a position inside the extent.
+
+    Args:
+        field: the terrain.
+        x, y, z: position [m].
+        bound: farther surface does not matter [m].
+        stack, keys: work space, shapes (STACK, 3) int64 and (STACK,) float64.
+
+    Returns:
+        Squared distance (``bound ** 2`` if nothing is nearer) and the nearest point.
+    """
+    heights, blocks, levels = field.heights, field.blocks, field.levels
+    ny, nx = heights.shape
+    x0, y0, dx, dy = field.grid[0], field.grid[1], field.grid[2], field.grid[3]
+    x, y = x - x0, y - y0
+    jp, ip = min(max(int(x / dx), 0), nx - 2), min(max(int(y / dy), 0), ny - 2)
+    best, qx, qy, qz = bound * bound, math.nan, math.nan, math.nan
+    best, qx, qy, qz = _cells(
+        heights, ip, ip + 1, jp, jp + 1, -1, dx, dy, x, y, z, best, qx, qy, qz
+    )
+    reach = math.sqrt(best)
+    j0, j1 = max(int((x - reach) / dx), 0), min(int((x + reach) / dx), nx - 2)
+    i0, i1 = max(int((y - reach) / dy), 0), min(int((y + reach) / dy), ny - 2)
+    if (j1 - j0 + 1) * (i1 - i0 + 1) <= 16:
+        best, qx, qy, qz = _cells(
+            heights, i0, i1 + 1, j0, j1 + 1, ip * nx + jp, dx, dy, x, y, z, best, qx, qy, qz
+        )
+        return best, x0 + qx, y0 + qy, qz
+    width, depth = (nx - 1) * dx, (ny - 1) * dy
+    level, size = 0, BASE
+    while (j1 // size - j0 // size > 1 or i1 // size - i0 // size > 1) and level < len(levels) - 1:
+        level += 1
+        size *= 2
+    top = 0
+    for i in range(i0 // size, i1 // size + 1):
+        for j in range(j0 // size, j1 // size + 1):
+            block = levels[level, 2] + block_index(i, j, levels[level, 3])
+            key = _bound(blocks, block, size, i, j, width, depth, dx, dy, x, y, z, best)
+            if key < best:
+                top = _push(stack, keys, 0, top, key, level, i, j)
+    while top > 0:
+        top -= 1
+        if keys[top] >= best:
+            continue
+        level, i, j = stack[top, 0], stack[top, 1], stack[top, 2]
+        if level == 0:
+            south, west = i * BASE, j * BASE
+            north, east = min(south + BASE, ny - 1), min(west + BASE, nx - 1)
+            best, qx, qy, qz = _cells(
+                heights, south, north, west, east, ip * nx + jp, dx, dy, x, y, z, best, qx, qy, qz
+            )
+            continue
+        level -= 1
+        size = BASE << level
+        rows, columns = levels[level, 0], levels[level, 1]
+        family = levels[level, 2] + 4 * (i * levels[level, 3] + j)
+        low = top
+        for row in range(2 * i, min(2 * i + 2, rows)):
+            for column in range(2 * j, min(2 * j + 2, columns)):
+                block = family + 2 * (row & 1) + (column & 1)
+                key = _bound(blocks, block, size, row, column, width, depth, dx, dy, x, y, z, best)
+                if key < best:
+                    _fetch(heights, blocks, levels, level, row, column)
+                    top = _push(stack, keys, low, top, key, level, row, column)
+    return best, x0 + qx, y0 + qy, qz
+
+
+@kernel
+def _fetch(heights, blocks, levels, level, i, j):
+    """Start loading what a visit to the block will read: most of a search is waiting for memory."""
+    if level > 0:
+        first, families = levels[level - 1, 2], levels[level - 1, 3]
+        prefetch(blocks, first + 4 * (i * families + j), 0)
+    else:
+        for row in range(i * BASE, min((i + 1) * BASE + 1, len(heights))):
+            prefetch(heights, row, j * BASE)
+
+
+@kernel
+def _push(stack, keys, low, top, key, level, i, j):
+    """Insert into the entries from ``low`` to ``top``, farthest first."""
+    k = top
+    while k > low and keys[k - 1] < key:
+        keys[k] = keys[k - 1]
+        stack[k, 0], stack[k, 1], stack[k, 2] = stack[k - 1, 0], stack[k - 1, 1], stack[k - 1, 2]
+        k -= 1
+    keys[k] = key
+    stack[k, 0], stack[k, 1], stack[k, 2] = level, i, j
+    return top + 1
+
+
+@kernel
+def inside(field, x, y):
+    """Whether a position lies within the map; false for NaN."""
+    ny, nx = field.heights.shape
+    u, v = x - field.grid[0], y - field.grid[1]
+    return u >= 0.0 and v >= 0.0 and u <= (nx - 1) * field.grid[2] and v <= (ny - 1) * field.grid[3]
+
+
+@kernel
+def signed_distance(field, x, y, z, bound, stack, keys):
+    """Distance to the surface [m], negative below it, -inf outside the map, at most ``bound``."""
+    if not inside(field, x, y):
+        return -math.inf
+    if z >= surface_height(field, x, y):
+        return math.sqrt(nearest(field, x, y, z, bound, stack, keys)[0])
+    return -math.sqrt(nearest(field, x, y, z, math.inf, stack, keys)[0])
+
+
+@entry
+def workspace():
+    """Work space of a search; one per thread."""
+    return np.empty((STACK, 3), np.int64), np.empty(STACK, np.float64)
+
+
+@entry
+def signed_distances(field, points, radius, bound, out):
+    """``out[k]`` = clearance of a sphere of ``radius`` [m] at ``points[k]``, at most ``bound``."""
+    stack, keys = workspace()
+    for k in range(len(points)):
+        d = signed_distance(
+            field, points[k, 0], points[k, 1], points[k, 2], bound + radius, stack, keys
+        )
+        out[k] = d - radius
+
+
+@entry
+def nearest_points(field, points, out):
+    """``out[k]`` = nearest surface point to ``points[k]``; NaN outside the map."""
+    stack, keys = workspace()
+    for k in range(len(points)):
+        x, y, z = points[k, 0], points[k, 1], points[k, 2]
+        if inside(field, x, y):
+            _, out[k, 0], out[k, 1], out[k, 2] = nearest(field, x, y, z, math.inf, stack, keys)
+        else:
+            out[k] = math.nan
