@@ -6,10 +6,10 @@ import math
 
 import numpy as np
 
-from ompl_risk._kernels.jit import kernel
+from ompl_risk._kernels.jit import entry
 
 
-@kernel
+@entry
 def discrete_frechet(a, b):
     """Discrete Frechet distance of two polylines by dynamic programming, one row at a time.
 

@@ -16,9 +16,11 @@ import math
 from typing import NamedTuple
 
 import numpy as np
+from numba import carray
 from numpy.typing import NDArray
 
 from ompl_risk._kernels.jit import entry, kernel
+from ompl_risk._kernels.pointers import float32_at, float64_at, int64_at
 from ompl_risk._kernels.prefetch import prefetch
 
 BASE = 4
@@ -44,6 +46,24 @@ class HeightField(NamedTuple):
     blocks: NDArray[np.float32]
     levels: NDArray[np.int64]
     grid: NDArray[np.float64]
+
+
+def handle(field: HeightField) -> NDArray[np.int64]:
+    """Addresses and sizes of the arrays, for ``opened``; the caller keeps the arrays alive."""
+    sizes = (*field.heights.shape, len(field.blocks), len(field.levels))
+    addresses = (x.ctypes.data for x in field)
+    return np.array([*addresses, *sizes], dtype=np.int64)
+
+
+@entry
+def opened(handle):
+    """The height field behind a handle."""
+    return HeightField(
+        carray(float64_at(handle[0]), (handle[4], handle[5])),
+        carray(float32_at(handle[1]), (handle[6], 4)),
+        carray(int64_at(handle[2]), (handle[7], 4)),
+        carray(float64_at(handle[3]), (4,)),
+    )
 
 
 def pyramid_shape(ny: int, nx: int) -> NDArray[np.int64]:
@@ -405,9 +425,9 @@ def workspace():
 
 
 @entry
-def signed_distances(field, points, radius, bound, out):
+def signed_distances(handle, points, radius, bound, out):
     """``out[k]`` = clearance of a sphere of ``radius`` [m] at ``points[k]``, at most ``bound``."""
-    stack, keys = workspace()
+    field, (stack, keys) = opened(handle), workspace()
     for k in range(len(points)):
         d = signed_distance(
             field, points[k, 0], points[k, 1], points[k, 2], bound + radius, stack, keys
@@ -416,9 +436,9 @@ def signed_distances(field, points, radius, bound, out):
 
 
 @entry
-def nearest_points(field, points, out):
+def nearest_points(handle, points, out):
     """``out[k]`` = nearest surface point to ``points[k]``; NaN outside the map."""
-    stack, keys = workspace()
+    field, (stack, keys) = opened(handle), workspace()
     for k in range(len(points)):
         x, y, z = points[k, 0], points[k, 1], points[k, 2]
         if inside(field, x, y):

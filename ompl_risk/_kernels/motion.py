@@ -1,0 +1,270 @@
+"""Collision check and risk of a straight motion at constant speed over a height field.
+
+Both rest on one fact: d changes along the motion by at most the distance travelled. Between two
+samples h apart with clearances d0 and d1 it therefore stays above ``(d0 + d1 - h) / 2``.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numba import carray
+from numpy.typing import NDArray
+
+from ompl_risk._kernels.height_field import STACK, HeightField, inside, opened, signed_distance
+from ompl_risk._kernels.jit import entry, kernel
+from ompl_risk._kernels.pointers import float64_at, int64_at
+
+CONTACT = 1e-3
+"""Clearance [m] below which a motion counts as touching: keeps the number of steps finite."""
+
+COARSE = 0.25
+"""Longest piece of a motion, in clearances at its ends."""
+
+FINE = 0.5
+"""Pieces shorter than so many clearances times the tolerance are not halved again: this ends the
+halving at kinks of f, where it converges only in proportion to the length."""
+
+BLIND = 0.1
+"""Longest piece with no risk at its ends and middle, but perhaps some between, in clearances."""
+
+DEPTH = 96
+"""Pieces that can wait while their left neighbours are halved."""
+
+# places in the parameters
+RADIUS, SPEED, FAR, POWER, TAU, TOLERANCE, WEIGHT = range(7)
+
+
+class Motion(NamedTuple):
+    """A motion and all that its evaluation needs.
+
+    Attributes:
+        field: the terrain.
+        stack, keys: work space of a distance query.
+        pieces: work space for halving, shape (DEPTH, 2).
+        a, b: states whose first three numbers are the position [m].
+        given: the parameters.
+    """
+
+    field: HeightField
+    stack: NDArray[np.int64]
+    keys: NDArray[np.float64]
+    pieces: NDArray[np.float64]
+    a: NDArray[np.float64]
+    b: NDArray[np.float64]
+    given: NDArray[np.float64]
+
+
+@entry
+def opened_motion(handle):
+    """The motion behind a handle: that of the field, then addresses in ``Motion``'s order."""
+    return Motion(
+        opened(handle),
+        carray(int64_at(handle[8]), (STACK, 3)),
+        carray(float64_at(handle[9]), (STACK,)),
+        carray(float64_at(handle[10]), (DEPTH, 2)),
+        carray(float64_at(handle[11]), (3,)),
+        carray(float64_at(handle[12]), (3,)),
+        carray(float64_at(handle[13]), (7,)),
+    )
+
+
+@kernel
+def _clearance(motion, bound, x, y, z):
+    radius = motion.given[RADIUS]
+    d = signed_distance(motion.field, x, y, z, bound + radius, motion.stack, motion.keys)
+    return d - radius
+
+
+@entry
+def clearance(handle):
+    """Clearance d [m] at state a."""
+    motion = opened_motion(handle)
+    return _clearance(motion, math.inf, motion.a[0], motion.a[1], motion.a[2])
+
+
+@entry
+def is_free(handle):
+    """Whether state a is free: d > 0."""
+    motion = opened_motion(handle)
+    return _clearance(motion, CONTACT, motion.a[0], motion.a[1], motion.a[2]) > 0.0
+
+
+@entry
+def is_motion_free(handle):
+    """Whether every state of the straight motion from a to b is free, for certain."""
+    return _is_free_between(opened_motion(handle))
+
+
+@kernel
+def _is_free_between(motion):
+    """March along the motion by the clearance, which nothing can be nearer than."""
+    a, b = motion.a, motion.b
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    length = math.sqrt(ux * ux + uy * uy + uz * uz)
+    if not inside(motion.field, b[0], b[1]):
+        return False
+    s = 0.0
+    while True:
+        t = s / length if length > 0.0 else 0.0
+        x, y, z = a[0] + t * ux, a[1] + t * uy, a[2] + t * uz
+        d = _clearance(motion, length - s + CONTACT, x, y, z)
+        if d <= CONTACT:
+            return False
+        s += d - 0.5 * CONTACT
+        if s >= length:
+            return _clearance(motion, 2.0 * CONTACT, b[0], b[1], b[2]) > CONTACT
+
+
+@kernel
+def _avoid(d, far):
+    """f(d), eq. (3)."""
+    return 1.0 / d - 1.0 / far if d < far else 0.0
+
+
+@kernel
+def _piece(f0, f1, dt, p, tau):
+    """Integral of f^p + tau^2 f'^2 for f linear over dt; exact for p = 1 and 2, else Simpson."""
+    if p == 2.0:
+        rise = f1 - f0
+        return dt * (f0 * f0 + f0 * f1 + f1 * f1) / 3.0 + tau * tau * rise * rise / dt
+    if p == 1.0:
+        return 0.5 * dt * (f0 + f1)
+    return dt * (f0**p + 4.0 * (0.5 * (f0 + f1)) ** p + f1**p) / 6.0
+
+
+@entry
+def motion_cost(handle):
+    """Risk of the motion from a to b plus weight times duration; inf in collision.
+
+    The risk is the p-th power of the norm, or for p = inf the maximum of f.
+    """
+    motion = opened_motion(handle)
+    a, b, given = motion.a, motion.b, motion.given
+    length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
+    if math.isinf(given[POWER]):
+        return _motion_maximum(motion, length)
+    return _motion_power(motion, length) + given[WEIGHT] * length / given[SPEED]
+
+
+@kernel
+def _motion_power(motion, length):
+    """Integral of f^p + tau^2 f'^2 along the motion by adaptive halving.
+
+    A piece is accepted once halving it changes its share by less than the tolerance; the
+    difference also extrapolates it (both terms converge with the square of the piece's length).
+    """
+    a, b, given, pieces = motion.a, motion.b, motion.given, motion.pieces
+    speed, far, p = given[SPEED], given[FAR], given[POWER]
+    tau, tolerance = given[TAU], given[TOLERANCE]
+    negligible = 1e-3 * far**-p
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    bound = far + length
+    d0 = _clearance(motion, bound, a[0], a[1], a[2])
+    d1 = _clearance(motion, bound, b[0], b[1], b[2])
+    if d0 <= CONTACT or d1 <= CONTACT:
+        return math.inf
+    s0, total = 0.0, 0.0
+    pieces[0, 0], pieces[0, 1] = length, d1
+    top = 1
+    while top > 0:
+        s1, d1 = pieces[top - 1, 0], pieces[top - 1, 1]
+        h = s1 - s0
+        if d0 + d1 - h >= 2.0 * far:
+            s0, d0 = s1, d1
+            top -= 1
+            continue
+        t = 0.5 * (s0 + s1) / length if length > 0.0 else 0.0
+        d = _clearance(motion, far + h, a[0] + t * ux, a[1] + t * uy, a[2] + t * uz)
+        if d <= CONTACT:
+            return math.inf
+        near = min(d0, d, d1, far)
+        if h <= COARSE * near:
+            f0, f, f1 = _avoid(d0, far), _avoid(d, far), _avoid(d1, far)
+            dt = h / speed
+            if dt <= 0.0:
+                return total
+            once = _piece(f0, f1, dt, p, tau)
+            twice = _piece(f0, f, 0.5 * dt, p, tau) + _piece(f, f1, 0.5 * dt, p, tau)
+            change = twice - once
+            exact = abs(change) <= tolerance * (twice + negligible * dt)
+            if h <= FINE * tolerance * near or (exact and (twice > 0.0 or h <= BLIND * near)):
+                total += max(twice + change / 3.0, 0.0)
+                s0, d0 = s1, d1
+                top -= 1
+                continue
+        pieces[top, 0], pieces[top, 1] = 0.5 * (s0 + s1), d
+        top += 1
+    return total
+
+
+@kernel
+def _motion_maximum(motion, length):
+    """Maximum of f along the motion, to the relative tolerance, never below a sampled value."""
+    a, b, given, pieces = motion.a, motion.b, motion.given, motion.pieces
+    far, tolerance = given[FAR], given[TOLERANCE]
+    ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
+    bound = far + length
+    d0 = _clearance(motion, bound, a[0], a[1], a[2])
+    d1 = _clearance(motion, bound, b[0], b[1], b[2])
+    least = min(d0, d1)
+    s0 = 0.0
+    pieces[0, 0], pieces[0, 1] = length, d1
+    top = 1
+    while top > 0:
+        if least <= CONTACT:
+            return math.inf
+        s1, d1 = pieces[top - 1, 0], pieces[top - 1, 1]
+        if 0.5 * (d0 + d1 - (s1 - s0)) >= min(least * (1.0 - tolerance), far):
+            s0, d0 = s1, d1
+            top -= 1
+            continue
+        t = 0.5 * (s0 + s1) / length
+        d = _clearance(motion, bound, a[0] + t * ux, a[1] + t * uy, a[2] + t * uz)
+        least = min(least, d)
+        pieces[top, 0], pieces[top, 1] = 0.5 * (s0 + s1), d
+        top += 1
+    return _avoid(least, far)
+
+
+@kernel
+def _least_power(d, s, far, speed, p):
+    """Lower bound for the integral of f^p over the first s metres of any way from clearance d."""
+    s = min(s, far - d)
+    if s <= 0.0:
+        return 0.0
+    x = d + s
+    if p == 1.0:
+        return max(math.log(x / d) - s / far, 0.0) / speed
+    if p == 2.0:
+        return max(1.0 / d - 1.0 / x - 2.0 * math.log(x / d) / far + s / (far * far), 0.0) / speed
+    total = 0.0
+    for k in range(1, 9):  # f falls: right ends lie below
+        total += _avoid(d + s * k / 8.0, far) ** p
+    return total * s / 8.0 / speed
+
+
+@entry
+def heuristic(handle):
+    """Lower bound for the cost of any way from a to b that is no faster than ``speed``.
+
+    However the vehicle flies, d moves away from its values at a and b no faster than the vehicle
+    moves. For tau > 0 also ``f^2 + tau^2 f'^2 >= tau |(f^2)'|``.
+    """
+    motion = opened_motion(handle)
+    a, b, given = motion.a, motion.b, motion.given
+    speed, far, p, tau = given[SPEED], given[FAR], given[POWER], given[TAU]
+    length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
+    d0 = _clearance(motion, far, a[0], a[1], a[2])
+    d1 = _clearance(motion, far, b[0], b[1], b[2])
+    least = given[WEIGHT] * length / speed
+    if d0 <= CONTACT or d1 <= CONTACT:
+        return least
+    f0, f1 = _avoid(d0, far), _avoid(d1, far)
+    if math.isinf(p):
+        return max(f0, f1)
+    split = min(max(0.5 * (length + d1 - d0), 0.0), length)
+    power = _least_power(d0, split, far, speed, p) + _least_power(d1, length - split, far, speed, p)
+    return least + max(power, tau * abs(f1 * f1 - f0 * f0))
