@@ -2,9 +2,21 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 
 class OmplRiskError(Exception):
     """Root of the library's errors: catch this to catch them all."""
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Pickle by facts and message, since constructors take facts: errors cross processes."""
+        return _restored, (type(self), self.args, self.__dict__)
+
+
+def _restored(kind: type[OmplRiskError], args: tuple[Any, ...], facts: dict[str, Any]) -> Any:
+    error = kind.__new__(kind, *args)
+    error.__dict__.update(facts)
+    return error
 
 
 class ArgumentError(OmplRiskError, ValueError):
@@ -59,8 +71,10 @@ class VoidError(TerrainError):
     def __init__(self, count: int, first: tuple[int, int]) -> None:
         self.count, self.first = count, first
         super().__init__(
-            f"{count} void posts, the first at row {first[0]}, column {first[1]} from the south-west",
-            'a void is never read as 0: pass fill="interpolate" to fill them, or bounds= to leave them out',
+            f"{count} void posts, the first at row {first[0]}, column {first[1]} "
+            "from the south-west",
+            'a void is never read as 0: pass fill="interpolate" to fill them, '
+            "or bounds= to leave them out",
         )
 
 
@@ -103,5 +117,51 @@ class TrapWarning(UserWarning):
     """OMPL goes on, but not as one would expect; the message names the way round."""
 
 
+class CollisionError(OmplRiskError):
+    """The safest trajectory is asked for, and every one is in collision.
+
+    Args:
+        names: the trajectories.
+    """
+
+    def __init__(self, names: tuple[str, ...]) -> None:
+        self.names = names
+        super().__init__(
+            f"none of the trajectories is free of collision: {', '.join(names)}; "
+            "collision_time and collision_position of each assessment say where"
+        )
+
+
+class ExtraError(OmplRiskError, ImportError):
+    """An optional package is needed and not installed.
+
+    Args:
+        package: what could not be imported.
+        extra: the extra of ompl-risk that brings it.
+    """
+
+    def __init__(self, package: str, extra: str) -> None:
+        self.package, self.extra = package, extra
+        super().__init__(f"{package} is not installed; pip install 'ompl-risk[{extra}]'")
+
+
 class DurationWarning(UserWarning):
-    """Trajectories of different duration are ranked together, so their norms do not compare."""
+    """Trajectories of different duration are ranked together, so their norms do not compare.
+
+    Args:
+        fastest: name of the trajectory of least duration, and that duration [s].
+        slowest: name of the trajectory of greatest duration, and that duration [s].
+        tolerance: relative spread that would have passed.
+    """
+
+    def __init__(
+        self, fastest: tuple[str, float], slowest: tuple[str, float], tolerance: float
+    ) -> None:
+        self.fastest, self.slowest, self.tolerance = fastest, slowest, tolerance
+        spread = slowest[1] / fastest[1] - 1
+        super().__init__(
+            f"durations differ by {100 * spread:.3g} %, more than {100 * tolerance:.3g} %: "
+            f"{fastest[0]} takes "
+            f"{fastest[1]:.6g} s, {slowest[0]} {slowest[1]:.6g} s; a norm grows with time spent, "
+            "so compare by ranking.pareto(label), which weighs duration against the norm"
+        )

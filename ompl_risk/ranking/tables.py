@@ -1,0 +1,135 @@
+"""The ranking as tables for a terminal."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from typing import TYPE_CHECKING
+
+from rich.console import Group, RenderableType
+from rich.table import Table
+from rich.text import Text
+
+from ompl_risk.ranking.agreement import Agreement
+from ompl_risk.ranking.export import norm_unit
+
+if TYPE_CHECKING:
+    from ompl_risk.ranking.assessment import Assessment
+    from ompl_risk.ranking.result import Ranking
+
+SAFEST = "bold green"
+RISKIEST = "red"
+
+
+def render(ranking: Ranking) -> RenderableType:
+    """Norms, orders, agreement and attribution, one below the other."""
+    parts: list[RenderableType] = [
+        trajectory_table(ranking),
+        norm_table(ranking, "Norms of f (* safest)", ranking.orders, of_probability=False),
+    ]
+    if ranking.has_probability:
+        title = "Norms of the probability of collision (* safest)"
+        parts.append(norm_table(ranking, title, ranking.pc_orders, of_probability=True))
+    parts.append(order_table(ranking))
+    if len(ranking.assessments) > 1:
+        parts.append(agreement_table(ranking.agreement, "Kendall tau-b between norms"))
+        if ranking.pc_agreement is not None:
+            parts.append(
+                agreement_table(
+                    ranking.pc_agreement, "Kendall tau-b: norms (rows), probability (columns)"
+                )
+            )
+    parts.append(attributions(ranking))
+    if not ranking.durations_comparable:
+        parts.append(duration_note(ranking))
+    return Group(*parts)
+
+
+def trajectory_table(ranking: Ranking) -> Table:
+    """Duration, length and closest approach, a row for each trajectory."""
+    table = Table(title="Trajectories", title_justify="left")
+    table.add_column("trajectory")
+    for heading in ("duration [s]", "length [m]", "least clearance [m]", "at t [s]"):
+        table.add_column(heading, justify="right")
+    for a in ranking.assessments:
+        numbers = (a.duration, a.length, a.min_clearance, a.min_clearance_time)
+        style = RISKIEST if a.collides else ""
+        table.add_row(Text(a.name), *(f"{value:.5g}" for value in numbers), style=style)
+    return table
+
+
+def norm_table(
+    ranking: Ranking, title: str, orders: Mapping[str, tuple[str, ...]], *, of_probability: bool
+) -> Table:
+    """The norms of f or of the probability of collision; * marks the safest by each."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("trajectory")
+    for norm in ranking.norms:
+        unit = norm_unit(norm, of="1" if of_probability else "1/m")
+        table.add_column(Text(f"{norm.label}\n[{unit}]"), justify="right")
+    for a in ranking.assessments:
+        norms = a.pc_norms if of_probability else a.norms
+        table.add_row(Text(a.name), *(_value(norms, k, orders, a.name) for k in ranking.labels))
+    return table
+
+
+def order_table(ranking: Ranking) -> Table:
+    """The order of the trajectories by each norm."""
+    table = Table(title="From safest to riskiest", title_justify="left")
+    table.add_column("by")
+    table.add_column("order")
+    for label, order in ranking.orders.items():
+        table.add_row(Text(label), Text("  ".join(order)))
+    for label, order in ranking.pc_orders.items():
+        table.add_row(Text(f"P_c {label}"), Text("  ".join(order)))
+    return table
+
+
+def agreement_table(agreement: Agreement, title: str) -> Table:
+    """Kendall's tau-b, a row and a column for each norm."""
+    table = Table(title=title, title_justify="left")
+    table.add_column("")
+    for label in agreement.columns:
+        table.add_column(Text(label), justify="right")
+    for label, row in zip(agreement.rows, agreement.tau, strict=True):
+        table.add_row(Text(label), *(f"{tau:.2f}" for tau in row))
+    return table
+
+
+def attributions(ranking: Ranking) -> Table:
+    """Where the last norm's risk comes from, a sentence for each trajectory."""
+    label = ranking.labels[-1]
+    table = Table(title=f"Where {label} comes from".replace("[", "\\["), title_justify="left")
+    table.add_column("trajectory")
+    table.add_column("")
+    for a in ranking.assessments:
+        table.add_row(Text(a.name), Text(_sentence(a, label)))
+    return table
+
+
+def duration_note(ranking: Ranking) -> Text:
+    """What to do about durations that do not compare."""
+    fronts = "; ".join(f"{label}: {', '.join(ranking.pareto(label))}" for label in ranking.labels)
+    return Text(
+        f"Durations differ by {100 * ranking.duration_spread:.3g} %, more than "
+        f"{100 * ranking.duration_tolerance:.3g} %, so the norms do not compare as they stand. "
+        f"Not beaten in both duration and norm: {fronts}.",
+        style="yellow",
+    )
+
+
+def _value(
+    norms: Mapping[str, float], label: str, orders: Mapping[str, tuple[str, ...]], name: str
+) -> Text:
+    text = f"{norms[label]:.4g}"
+    if name == orders[label][0] and norms[label] < math.inf:
+        return Text(f"* {text}", style=SAFEST)
+    return Text(text, style=RISKIEST if name == orders[label][-1] else "")
+
+
+def _sentence(a: Assessment, label: str) -> str:
+    if a.collision_time is not None and a.collision_position is not None:
+        x, y, _ = a.collision_position
+        return f"collides, first at t = {a.collision_time:.1f} s near ({x:.0f}, {y:.0f}) m"
+    part = a.attribution[label]
+    return "no obstacle nearer than d0" if part is None else part.sentence
