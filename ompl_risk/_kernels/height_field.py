@@ -16,12 +16,13 @@ import math
 from typing import NamedTuple
 
 import numpy as np
-from numba import carray
+from numba import carray  # pyright: ignore[reportPrivateImportUsage]
 from numpy.typing import NDArray
 
 from ompl_risk._kernels.jit import entry, kernel
 from ompl_risk._kernels.pointers import float32_at, float64_at, int64_at
 from ompl_risk._kernels.prefetch import prefetch
+from ompl_risk._kernels.surface import height_at
 
 BASE = 4
 """Cells along the edge of a block on the finest level of the pyramid."""
@@ -139,17 +140,8 @@ def _slopes(heights, south, north, west, east, dx, dy):
 @kernel
 def surface_height(field, x, y):
     """Height of the surface [m] at a position inside the extent."""
-    heights, grid = field.heights, field.grid
-    ny, nx = heights.shape
-    fx, fy = (x - grid[0]) / grid[2], (y - grid[1]) / grid[3]
-    j, i = min(max(int(fx), 0), nx - 2), min(max(int(fy), 0), ny - 2)
-    fx, fy = fx - j, fy - i
-    sw, ne = heights[i, j], heights[i + 1, j + 1]
-    if fx >= fy:
-        se = heights[i, j + 1]
-        return sw + (se - sw) * fx + (ne - se) * fy
-    nw = heights[i + 1, j]
-    return sw + (ne - nw) * fx + (nw - sw) * fy
+    grid = field.grid
+    return height_at(field.heights, grid[0], grid[1], grid[2], grid[3], x, y)
 
 
 @kernel

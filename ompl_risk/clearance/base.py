@@ -54,6 +54,10 @@ class Clearance(ABC):
             points: positions [m], shape (n, 3), or poses, shape (n, 7).
         """
 
+    @abstractmethod
+    def of_point(self) -> ClearanceFunction:
+        """The same obstacles for a body that is a single point."""
+
 
 def as_queries(points: ArrayLike, columns: int, *, name: str = "points") -> NDArray[np.float64]:
     """Queries as a contiguous (n, columns) array.

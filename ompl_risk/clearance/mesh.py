@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -85,6 +86,12 @@ class MeshClearance(Clearance):
         poses = as_queries(points, 7, name="poses")
         _check_unit(poses[:, 3:])
         return np.array([self._body_distance(pose, self._body) for pose in poses])
+
+    def of_point(self) -> MeshClearance:
+        """The same obstacles for a body that is a single point."""
+        other = copy.copy(self)
+        other.radius, other.reach, other.uses_orientation, other._body = 0.0, 0.0, False, None
+        return other
 
     def _body_distance(self, pose: NDArray[np.float64], body: SignedSurface) -> float:
         """d of the body mesh at one pose."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import copy
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -55,7 +55,10 @@ class TerrainClearance(Clearance):
         self.radius = as_length(radius, "radius")
         self.threads = thread_count(threads)
         self.field = build_field(terrain, self.threads)
-        self._stack, self._keys = kernels.workspace()
+        self.handle = kernels.handle(self.field)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (self.terrain, self.radius, self.threads)
 
     def __repr__(self) -> str:
         return f"TerrainClearance({self.terrain!r}, radius={self.radius:g})"
@@ -64,8 +67,11 @@ class TerrainClearance(Clearance):
         """The same terrain for a sphere of another radius [m]; the search structure is shared."""
         other = copy.copy(self)
         other.radius = as_length(radius, "radius")
-        other._stack, other._keys = kernels.workspace()
         return other
+
+    def of_point(self) -> TerrainClearance:
+        """The same terrain for a body that is a single point."""
+        return self.with_radius(0.0)
 
     def __call__(self, points: ArrayLike, *, bound: float = math.inf) -> NDArray[np.float64]:
         """Distances d [m].
@@ -87,19 +93,12 @@ class TerrainClearance(Clearance):
         d = np.empty(len(queries))
         in_chunks(
             lambda first, last: kernels.signed_distances(
-                self.field, queries[first:last], self.radius, bound, d[first:last]
+                self.handle, queries[first:last], self.radius, bound, d[first:last]
             ),
             len(queries),
             self.threads,
         )
         return d
-
-    def at(self, x: float, y: float, z: float, bound: float = math.inf) -> float:
-        """Distance d [m] of one position [m], quicker than a batch of one; not thread-safe."""
-        d = kernels.signed_distance(
-            self.field, x, y, z, bound + self.radius, self._stack, self._keys
-        )
-        return d - self.radius
 
     def nearest(self, points: ArrayLike) -> NDArray[np.float64]:
         """Nearest points on the surface [m], shape (n, 3); NaN outside the extent."""
@@ -107,7 +106,7 @@ class TerrainClearance(Clearance):
         found = np.empty_like(queries)
         in_chunks(
             lambda first, last: kernels.nearest_points(
-                self.field, queries[first:last], found[first:last]
+                self.handle, queries[first:last], found[first:last]
             ),
             len(queries),
             self.threads,
@@ -149,6 +148,11 @@ class TerrainClearance(Clearance):
         gx = np.where(lower, se - sw, ne - nw) / dx
         gy = np.where(lower, ne - se, nw - sw) / dy
         return np.column_stack([-gx, -gy, np.ones_like(gx)])
+
+
+def _rebuild(terrain: Terrain, radius: float, threads: int) -> TerrainClearance:
+    """Unpickle: the search structure is made anew, it is quicker than sending it."""
+    return TerrainClearance(terrain, radius, threads=threads)
 
 
 def build_field(terrain: Terrain, threads: int) -> kernels.HeightField:

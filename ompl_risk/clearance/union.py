@@ -47,6 +47,10 @@ class UnionClearance(Clearance):
         """Index of the member that is nearest, shape (n,); the first of equals."""
         return self._all(points).argmin(axis=0)
 
+    def of_point(self) -> UnionClearance:
+        """The same obstacles for a body that is a single point; plain callables stay."""
+        return UnionClearance([m.of_point() if hasattr(m, "of_point") else m for m in self.members])
+
     def _all(self, points: ArrayLike) -> NDArray[np.float64]:
         """Distances of every member, shape (members, n)."""
         queries = as_queries(points, 7 if self.uses_orientation else 3)

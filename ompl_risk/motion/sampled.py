@@ -8,6 +8,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from ompl_risk._interpolation import great_arc
 from ompl_risk._kernels.motion import BLIND, COARSE, CONTACT, FINE
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion.base import MotionModel, Risk
@@ -173,7 +174,9 @@ class SampledMotion(MotionModel):
             return np.empty(0)
         points = self.a[:3] + s[:, None] * (self.b[:3] - self.a[:3])
         if self._posed:
-            points = np.hstack([points, slerp(self.a[3:7], self.b[3:7], s)])
+            points = np.hstack(
+                [points, great_arc(s, np.array([0.0, 1.0]), np.array([self.a[3:7], self.b[3:7]]))]
+            )
         return self._distances(np.ascontiguousarray(points))
 
     def _distances(self, queries: Floats) -> Floats:
@@ -186,15 +189,3 @@ class SampledMotion(MotionModel):
                 "clearance(points)", math.nan, f"a distance, also at {queries[row].tolist()}"
             )
         return d
-
-
-def slerp(q0: Floats, q1: Floats, s: Floats) -> Floats:
-    """Unit quaternions (n, 4) at fractions s of the shorter turn from q0 to q1."""
-    cosine = float(q0 @ q1)
-    q1, cosine = (-q1, -cosine) if cosine < 0.0 else (q1, cosine)
-    angle = math.acos(min(cosine, 1.0))
-    if angle < 1e-9:
-        return np.tile(q0, (len(s), 1))
-    weights = np.sin(np.column_stack([1.0 - s, s]) * angle) / math.sin(angle)
-    q = weights @ np.array([q0, q1])
-    return q / np.linalg.norm(q, axis=1, keepdims=True)

@@ -1,0 +1,45 @@
+"""Clearance as an OMPL motion validator that no obstacle slips through."""
+
+from __future__ import annotations
+
+from typing import Any
+
+from ompl import base as ob
+
+from ompl_risk.bridge import faults
+from ompl_risk.bridge.states import StateReader
+from ompl_risk.motion import Risk, motion_model
+
+
+class ClearanceMotionValidator(ob.MotionValidator):
+    """A motion is valid if every state of it is, not only states at some resolution.
+
+    Along a motion d changes by at most the distance travelled, so each distance certifies a
+    stretch; the check strides over it. OMPL's default validator samples at a fixed resolution and
+    jumps over what is thinner. For motions in R^3 and SE(3); not used by control planners.
+
+    Args:
+        si: over R^3, SE(3), or a compound space that starts with one of these.
+        clearance: d(q), 1-Lipschitz in the position.
+
+    Raises:
+        ArgumentError: a state space of another kind, or one without the orientation that the
+            clearance needs.
+    """
+
+    def __init__(self, si: ob.SpaceInformation, clearance: Any) -> None:
+        super().__init__(si)
+        reader = StateReader(si.getStateSpace())
+        self._model = motion_model(clearance, Risk(speed=1.0), reader.width)
+        self._read_a, self._read_b = reader.into(self._model.a), reader.into(self._model.b)
+
+    def checkMotion(self, s1: ob.State, s2: ob.State) -> bool:
+        """Whether the straight motion from ``s1`` to ``s2`` is free."""
+        try:
+            self._read_a(s1)
+            self._read_b(s2)
+            return self._model.is_motion_free()
+        except BaseException as error:
+            if not faults.keep(error):
+                raise
+            return False

@@ -1,0 +1,146 @@
+"""OMPL's paths as trajectories, and a ranking as OMPL's solutions."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from ompl import base as ob
+from ompl import control as oc
+from ompl import geometric as og
+
+from ompl_risk.bridge.states import ALLOWED
+from ompl_risk.errors import ArgumentError
+from ompl_risk.trajectory import Trajectory, register_path_reader
+
+if TYPE_CHECKING:
+    from ompl_risk.ranking import Ranking
+
+
+def read_path(path: Any, speed: float | None = None, name: str = "") -> Trajectory:
+    """The trajectory of an OMPL path; ``Trajectory.from_path`` calls this.
+
+    A ``PathGeometric`` is flown at constant speed. A ``PathControl`` has its own time; it is
+    propagated at the step size of its space information, and held controls come along.
+
+    Args:
+        path: og.PathGeometric or oc.PathControl over R^3, SE(3), or a compound space that starts
+            with one of these.
+        speed: speed [m/s] for a PathGeometric; must be left out for a PathControl.
+        name: name of the trajectory.
+
+    Raises:
+        ArgumentError: another kind of path or of space, a path without length, or a speed where
+            none is wanted or none where one is.
+    """
+    if isinstance(path, oc.PathControl):
+        if speed is not None:
+            raise ArgumentError("speed", speed, "left out: a PathControl has its own time")
+        return _read_controlled(path, name)
+    if not isinstance(path, og.PathGeometric):
+        raise ArgumentError("path", type(path).__name__, "an og.PathGeometric or oc.PathControl")
+    if speed is None:
+        raise ArgumentError("speed", None, "given [m/s]: a PathGeometric has no time of its own")
+    positions, orientations = _read_states(path)
+    plain = Trajectory.at_constant_speed(positions, speed, name)
+    if orientations is None:
+        return plain
+    moved = np.append(True, np.linalg.norm(np.diff(positions, axis=0), axis=1) > 0.0)
+    return Trajectory(plain.t, plain.positions, name, orientations=orientations[moved])
+
+
+def publish(
+    problem: ob.ProblemDefinition,
+    paths: Sequence[Any],
+    ranking: Ranking,
+    label: str | None = None,
+) -> None:
+    """Put ranked paths into a problem definition, so that ``getSolutionPath()`` is the safest.
+
+    OMPL 2.0.1 orders exact solutions by length, whatever the objective, and approximate ones by
+    their distance from the goal. So the safest goes in as exact, and the others as approximate
+    with their rank as the distance; solutions that were there before are removed.
+
+    Args:
+        problem: the problem that the paths solve.
+        paths: in the order in which the ranking got its trajectories.
+        ranking: from ``rank``.
+        label: norm to go by; the ranking's last one if left out.
+
+    Raises:
+        ArgumentError: paths and ranking differ in number, an unknown label, or the safest path is
+            in collision, so that there is nothing to publish.
+    """
+    names = [one.name for one in ranking.assessments]
+    if len(paths) != len(names):
+        raise ArgumentError("paths", f"{len(paths)} paths", f"{len(names)}, as in the ranking")
+    label = list(ranking.orders)[-1] if label is None else label
+    if label not in ranking.orders:
+        raise ArgumentError("label", label, f"one of {', '.join(ranking.orders)}")
+    safest = ranking.assessments[names.index(ranking.safest(label))]
+    if not np.isfinite(safest.norms[label]):
+        raise ArgumentError("ranking", f"{label} = inf for all", "with a path free of collision")
+    problem.clearSolutionPaths()
+    for rank, name in enumerate(ranking.orders[label]):
+        path = paths[names.index(name)]
+        problem.addSolutionPath(path, rank > 0, float(rank) if rank else -1.0, f"risk#{rank + 1}")
+
+
+def _read_controlled(path: oc.PathControl, name: str) -> Trajectory:
+    """States at every propagation step, with the time and the control of each."""
+    fine = oc.PathControl(path)
+    fine.interpolate()
+    if fine.getStateCount() < 2:
+        raise ArgumentError("path", f"{fine.getStateCount()} states", "a path of two or more")
+    positions, orientations = _read_states(fine)
+    steps = np.array(fine.getControlDurations(), dtype=np.float64)
+    t = np.concatenate([[0.0], np.cumsum(steps)])
+    kept = np.append(True, steps > 0.0)
+    width = len(repr(fine).split("\n", 1)[0].split()) - _columns(path) - 1
+    controls = None
+    if width > 0:
+        held: list[Any] = fine.getControls()
+        controls = np.array([[c[k] for k in range(width)] for c in held])
+        controls = controls[kept[1:]]
+    return Trajectory(
+        t[kept],
+        positions[kept],
+        name,
+        orientations=None if orientations is None else orientations[kept],
+        controls=controls,
+    )
+
+
+def _columns(path: Any) -> int:
+    """Numbers in a state of the path. Only the printed path tells: its space is out of reach."""
+    geometric = path.asGeometric() if isinstance(path, oc.PathControl) else path
+    return len(repr(geometric).split("\n", 1)[0].split())
+
+
+def _read_states(path: Any) -> tuple[np.ndarray, np.ndarray | None]:
+    """Positions (n, 3) [m], and quaternions (n, 4) if the states have them."""
+    states = [_leading(state) for state in path.getStates()]
+    if not states:
+        raise ArgumentError("path", "no states", "a path of two or more states")
+    if isinstance(states[0], ob.SE3State):
+        positions = np.array([(s.getX(), s.getY(), s.getZ()) for s in states])
+        turns = [s.rotation() for s in states]
+        quaternions = np.array([(q.x, q.y, q.z, q.w) for q in turns])
+        return positions, quaternions / np.linalg.norm(quaternions, axis=1, keepdims=True)
+    if not isinstance(states[0], ob.RealVectorStateType):
+        raise ArgumentError("path", f"states of {type(states[0]).__name__}", ALLOWED)
+    first = path.getStates()[0]
+    if first is not None and not isinstance(first, ob.CompoundState) and _columns(path) != 3:
+        raise ArgumentError("path", f"states of R^{_columns(path)}", ALLOWED)
+    return np.array([s[0:3] for s in states], dtype=np.float64), None
+
+
+def _leading(state: Any) -> Any:
+    """The R^3 or SE(3) part at the start of a state."""
+    while isinstance(state, ob.CompoundState) and not isinstance(state, ob.SE3State):
+        state = state[0]
+    return state
+
+
+register_path_reader(read_path)

@@ -1,0 +1,209 @@
+"""Ways to estimate the share of a ball that lies in obstacles."""
+
+from __future__ import annotations
+
+import math
+from abc import ABC, abstractmethod
+from dataclasses import KW_ONLY, dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ompl_risk._kernels import ball
+from ompl_risk.clearance import TerrainClearance
+from ompl_risk.clearance.threads import in_chunks
+from ompl_risk.errors import ArgumentError
+from ompl_risk.probability.proportion import Proportion, clopper_pearson
+
+Floats = NDArray[np.float64]
+
+
+class Estimate(NamedTuple):
+    """What an estimator found for n states; see ``CollisionProfile`` for the fields."""
+
+    p: Floats
+    low: Floats
+    high: Floats
+    samples: int
+    confidence: float | None
+    method: str
+    ever: Proportion | None = None
+
+
+class Estimator(ABC):
+    """Estimates the share of the ball around each point that lies in obstacles."""
+
+    @abstractmethod
+    def estimate(self, clearance: Any, points: Floats, radius: float) -> Estimate:
+        """Shares for all points.
+
+        Args:
+            clearance: d <= 0 marks what counts as obstacle; callable with points (n, 3).
+            points: centres [m], shape (n, 3).
+            radius: of the ball [m].
+        """
+
+
+@dataclass(frozen=True)
+class ColumnQuadrature(Estimator):
+    """For terrain: integrates the filled length of vertical columns over the ball's disk.
+
+    ::
+
+        P = 3 / (4 pi r^3) * integral over the disk of clip(h - (z - s), 0, 2 s)
+        s^2 = r^2 - rho^2
+
+    with Gauss-Legendre nodes in rho^2 and equally spaced angles. The two halves of the angles are
+    two estimates; half their difference is the error that the bounds state.
+
+    Args:
+        rings: number of radii.
+        spokes: number of angles, even.
+
+    Raises:
+        ArgumentError: fewer than 1 ring, or spokes that are not even and at least 4.
+    """
+
+    rings: int = 8
+    spokes: int = 16
+
+    def __post_init__(self) -> None:
+        if self.rings < 1:
+            raise ArgumentError("rings", self.rings, "at least 1")
+        if self.spokes < 4 or self.spokes % 2:
+            raise ArgumentError("spokes", self.spokes, "an even number of at least 4")
+
+    def columns(self) -> Floats:
+        """x, y, half height, weight and half (0 or 1) of the columns of a unit ball, (m, 5)."""
+        nodes, weights = np.polynomial.legendre.leggauss(self.rings)
+        square, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+        rows = []
+        for ring, (q, w) in enumerate(zip(square, weights, strict=True)):
+            for spoke in range(self.spokes):
+                # turned by the golden angle from ring to ring, so that spokes do not line up
+                angle = 2.0 * math.pi * spoke / self.spokes + ring * math.pi * (
+                    3.0 - math.sqrt(5.0)
+                )
+                rho, weight = math.sqrt(q), 0.75 * w / (0.5 * self.spokes)
+                x, y, half = rho * math.cos(angle), rho * math.sin(angle), math.sqrt(1.0 - q)
+                rows.append((x, y, half, weight, spoke % 2))
+        return np.array(rows, dtype=np.float64)
+
+    def estimate(self, clearance: Any, points: Floats, radius: float) -> Estimate:
+        """Shares for all points.
+
+        Raises:
+            ArgumentError: the clearance is not a ``TerrainClearance``.
+        """
+        if not isinstance(clearance, TerrainClearance):
+            raise ArgumentError("estimator", self, f"BallSampling() for {type(clearance).__name__}")
+        columns, halves = self.columns(), np.empty((len(points), 2))
+        in_chunks(
+            lambda first, last: ball.quadrature(
+                clearance.handle,
+                points[first:last],
+                radius,
+                columns,
+                clearance.radius,
+                halves[first:last],
+            ),
+            len(points),
+            clearance.threads,
+            least=64,
+        )
+        p = np.clip(halves.mean(axis=1), 0.0, 1.0)
+        error = 0.5 * np.abs(halves[:, 0] - halves[:, 1])
+        return Estimate(
+            p,
+            np.clip(p - error, 0.0, 1.0),
+            np.clip(p + error, 0.0, 1.0),
+            len(columns),
+            None,
+            "column quadrature",
+        )
+
+
+@dataclass(frozen=True)
+class BallSampling(Estimator):
+    """For any obstacle: counts uniformly distributed points of the ball.
+
+    Two models of the error differ in what they say of a whole trajectory. "independent": a new
+    error at every state. "shared": one error that displaces the whole trajectory, drawn
+    ``samples`` times; only then is there a probability that it ever collides.
+
+    Args:
+        samples: points for each state.
+        offsets: "independent" or "shared".
+        seed: of the random numbers, or a generator.
+        confidence: of the intervals.
+
+    Raises:
+        ArgumentError: a value out of range.
+
+    Reference: Nair and Kobilarov, eq. (9).
+    """
+
+    samples: int = 1000
+    _: KW_ONLY
+    offsets: Literal["independent", "shared"] = "independent"
+    seed: int | np.random.Generator = 0
+    confidence: float = 0.95
+
+    def __post_init__(self) -> None:
+        if self.samples < 1:
+            raise ArgumentError("samples", self.samples, "at least 1")
+        if self.offsets not in ("independent", "shared"):
+            raise ArgumentError("offsets", self.offsets, '"independent" or "shared"')
+        if not 0.0 < self.confidence < 1.0:
+            raise ArgumentError("confidence", self.confidence, "between 0 and 1")
+
+    def estimate(self, clearance: Any, points: Floats, radius: float) -> Estimate:
+        """Shares for all points, with Clopper-Pearson intervals."""
+        rng = np.random.default_rng(self.seed)
+        shared = self.offsets == "shared"
+        offsets = radius * ball_points(self.samples, rng)
+        hits, ever = np.empty(len(points), dtype=np.int64), np.zeros(self.samples, dtype=bool)
+        for k, point in enumerate(points):
+            if not shared and k > 0:
+                offsets = radius * ball_points(self.samples, rng)
+            inside = _inside(clearance, point + offsets)
+            hits[k] = inside.sum()
+            ever |= inside
+        low, high = clopper_pearson(hits, self.samples, self.confidence)
+        whole = None
+        if shared:
+            ends = clopper_pearson(ever.sum(), self.samples, self.confidence)
+            whole = Proportion(
+                float(ever.mean()), float(ends[0]), float(ends[1]), self.samples, self.confidence
+            )
+        return Estimate(
+            hits / self.samples,
+            low,
+            high,
+            self.samples,
+            self.confidence,
+            f"ball sampling with {self.offsets} offsets",
+            whole,
+        )
+
+
+def ball_points(n: int, rng: np.random.Generator) -> Floats:
+    """Points distributed uniformly in the unit ball, shape (n, 3)."""
+    directions = rng.standard_normal((n, 3))
+    directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+    return directions * np.cbrt(rng.uniform(size=(n, 1)))
+
+
+def _inside(clearance: Any, points: Floats) -> NDArray[np.bool_]:
+    """Which points count as obstacle."""
+    if isinstance(clearance, TerrainClearance) and clearance.radius == 0.0:
+        found = np.empty(len(points), dtype=np.bool_)
+        ball.in_ground(clearance.handle, points, found)
+        return found
+    d = np.asarray(clearance(points), dtype=np.float64)
+    if d.shape != (len(points),) or np.isnan(d).any():
+        raise ArgumentError(
+            "obstacles(points)", d, f"distances without NaN of shape ({len(points)},)"
+        )
+    return d <= 0.0

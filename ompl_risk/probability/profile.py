@@ -1,0 +1,138 @@
+"""Probability of collision over time."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ompl_risk._arrays import FloatArray, positive
+from ompl_risk.clearance import TerrainClearance
+from ompl_risk.errors import ArgumentError
+from ompl_risk.probability.estimators import BallSampling, ColumnQuadrature, Estimator
+from ompl_risk.probability.proportion import Proportion
+from ompl_risk.trajectory import Trajectory
+
+
+class _Grid(NamedTuple):
+    t: FloatArray
+    positions: NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class CollisionProfile:
+    """P_c(t) along a trajectory, with how sure it is.
+
+    Attributes:
+        t: times [s], shape (n,).
+        p: probabilities, shape (n,).
+        low, high: bounds, shape (n,). For sampling, the Clopper-Pearson interval of each single
+            state; for quadrature, the estimate plus and minus its estimated error.
+        samples: points or columns for each state.
+        confidence: of the intervals; ``None`` for quadrature, whose bounds are no such thing.
+        radius: of the ball [m].
+        method: what was done, in words.
+        ever: share of offsets that collide at any state, for sampling with shared offsets.
+    """
+
+    t: FloatArray
+    p: FloatArray
+    low: FloatArray
+    high: FloatArray
+    samples: int
+    confidence: float | None
+    radius: float
+    method: str
+    ever: Proportion | None = None
+
+    def __post_init__(self) -> None:
+        for array in (self.t, self.p, self.low, self.high):
+            array.setflags(write=False)
+
+    def __repr__(self) -> str:
+        k = int(np.argmax(self.p))
+        return (
+            f"CollisionProfile(max {self.p[k]:.3g} in [{self.low[k]:.3g}, {self.high[k]:.3g}] "
+            f"at t = {self.t[k]:g} s; {self.method}, {self.samples} a state)"
+        )
+
+
+def collision_probability(
+    trajectory: Trajectory,
+    obstacles: Any,
+    radius: float = 100.0,
+    *,
+    estimator: Estimator | None = None,
+    grow: bool = False,
+    max_step: float | Literal["auto"] | None = "auto",
+) -> CollisionProfile:
+    """Share of the ball of possible positions around each state that lies in obstacles.
+
+    ::
+
+        P_c(t) = vol(B(x(t), r) within O) / vol(B(x(t), r))
+
+    that is, the vehicle is somewhere in the ball, anywhere with equal probability. Equation (2) of
+    the paper prints the free share instead; its text and (9) mean this one. Beyond a terrain's
+    edge the ground is taken to go on level.
+
+    Args:
+        trajectory: where the vehicle should be.
+        obstacles: a ``Terrain``, a clearance, or any callable from points (n, 3) to distances.
+        radius: r, bound of the position error [m].
+        estimator: ``ColumnQuadrature()`` for terrain and ``BallSampling()`` for the rest if left
+            out.
+        grow: count positions where the vehicle's sphere touches an obstacle, rather than, as (9)
+            does, only those where its centre is inside. A plain callable is taken as it is.
+        max_step: longest step between states [m]; "auto" is radius / 50, ``None`` takes the
+            trajectory's own samples.
+
+    Returns:
+        P_c at the samples of the (refined) trajectory, with bounds.
+
+    Raises:
+        ArgumentError: a radius or step out of range, quadrature for something that is no terrain,
+            ``grow`` for obstacles without a body.
+
+    Reference: Nair and Kobilarov, eqs. (2) and (9).
+    """
+    radius = positive("radius", radius)
+    terrain = _as_clearance(obstacles, grow)
+    if estimator is None:
+        is_terrain = isinstance(terrain, TerrainClearance)
+        estimator = ColumnQuadrature() if is_terrain else BallSampling()
+    if max_step is not None:
+        step = radius / 50.0 if max_step == "auto" else positive("max_step", max_step)
+        trajectory = trajectory.densify(step)
+    points = np.ascontiguousarray(trajectory.positions)
+    estimate = estimator.estimate(terrain, points, radius)
+    body = " grown by the body" if grow else ""
+    return CollisionProfile(
+        np.array(trajectory.t),
+        estimate.p,
+        estimate.low,
+        estimate.high,
+        estimate.samples,
+        estimate.confidence,
+        radius,
+        f"{estimate.method}, obstacles{body}",
+        estimate.ever,
+    )
+
+
+def _as_clearance(obstacles: Any, grow: bool) -> Any:
+    """A clearance whose d <= 0 says that a point counts as collision."""
+    if hasattr(obstacles, "heights"):
+        if grow:
+            raise ArgumentError("grow", True, "False for a bare Terrain: pass a TerrainClearance")
+        return TerrainClearance(obstacles)
+    if not callable(obstacles):
+        raise ArgumentError("obstacles", obstacles, "a Terrain or a clearance")
+    if getattr(obstacles, "uses_orientation", False) and grow:
+        raise ArgumentError("grow", True, "False for a mesh body: the ball holds points only")
+    if grow or not hasattr(obstacles, "of_point"):
+        return obstacles
+    clearance: Any = obstacles
+    return clearance.of_point()
