@@ -131,8 +131,10 @@ def _read_states(path: Any) -> tuple[np.ndarray, np.ndarray | None]:
     if not isinstance(states[0], ob.RealVectorStateType):
         raise ArgumentError("path", f"states of {type(states[0]).__name__}", ALLOWED)
     first = path.getStates()[0]
-    if first is not None and not isinstance(first, ob.CompoundState) and _columns(path) != 3:
-        raise ArgumentError("path", f"states of R^{_columns(path)}", ALLOWED)
+    if not isinstance(first, ob.CompoundState) and (columns := _columns(path)) != 3:
+        if columns == 0:  # what OMPL prints of a space that is not set up
+            raise ArgumentError("path", "of a space not set up", "one after si.setup()")
+        raise ArgumentError("path", f"states of R^{columns}", ALLOWED)
     return np.array([s[0:3] for s in states], dtype=np.float64), None
 
 

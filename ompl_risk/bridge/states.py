@@ -69,7 +69,7 @@ def _leading(space: Any) -> Any:
         return found
     if isinstance(found, ob.RealVectorStateSpace) and found.getDimension() == 3:
         return found
-    kind = type(found).__name__
-    if isinstance(found, ob.RealVectorStateSpace):
-        kind = f"R^{found.getDimension()}"
+    kind = type(space).__name__
+    if isinstance(space, ob.RealVectorStateSpace):
+        kind = f"R^{space.getDimension()}"
     raise ArgumentError("si.getStateSpace()", kind, ALLOWED)

@@ -1,6 +1,7 @@
 """TerrainClearance against closed forms, a brute-force oracle and python-fcl."""
 
 import math
+import pickle
 
 import fcl
 import numpy as np
@@ -134,7 +135,6 @@ def test_outside_the_extent_is_never_free():
     outside = [[-1e-9, 0, 9], [0, 4.001, 9], [1e9, 2, 9], [2, -3, 9]]
     assert (clearance(inside) > 0).all()
     assert (clearance(outside) == -math.inf).all()
-    assert clearance.at(-1.0, 2.0, 9.0) == -math.inf
     assert np.isnan(clearance.nearest(outside)).all()
 
 
@@ -174,12 +174,11 @@ def test_nearest_points_lie_on_the_surface_at_the_distance():
     assert np.linalg.norm(points - nearest, axis=1) == pytest.approx(clearance(points), abs=1e-9)
 
 
-def test_scalar_threads_and_batch_agree():
+def test_threads_and_radii_agree():
     terrain = rough((50, 50), 12, scale=2.0)
     points = queries(terrain, 20_000, 13, -2.0, 20.0)
     one, two = TerrainClearance(terrain, threads=1), TerrainClearance(terrain, threads=2)
     assert np.array_equal(one(points), two(points))
-    assert [one.at(*p) for p in points[:50]] == one(points[:50]).tolist()
     assert np.array_equal(one.with_radius(1.0)(points), TerrainClearance(terrain, 1.0)(points))
 
 
@@ -202,6 +201,12 @@ def test_bad_input_is_named(call, names):
     with pytest.raises(ArgumentError) as error:
         call(clearance)
     assert names in str(error.value)
+
+
+def test_survives_pickling():
+    clearance = TerrainClearance(rough((9, 9), 1), radius=0.5)
+    points = queries(clearance.terrain, 50, 2, 1, 9)
+    assert np.array_equal(pickle.loads(pickle.dumps(clearance))(points), clearance(points))
 
 
 def test_no_queries_give_no_distances():
