@@ -4,7 +4,7 @@
 in ``ompl_risk.planners``.
 """
 
-from importlib.metadata import PackageNotFoundError, version
+from importlib import metadata as _metadata
 
 from ompl_risk import errors as errors
 from ompl_risk import planners as planners
@@ -34,6 +34,6 @@ from ompl_risk.trajectory_files import read_trajectory as read_trajectory
 from ompl_risk.trajectory_files import write_csv as write_csv
 
 try:
-    __version__ = version("ompl-risk")
-except PackageNotFoundError:  # a bare checkout on the path
+    __version__ = _metadata.version("ompl-risk")
+except _metadata.PackageNotFoundError:  # a bare checkout on the path
     __version__ = "0+unknown"

@@ -7,7 +7,6 @@ from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
-import scipy.stats
 
 from ompl_risk._arrays import FloatArray
 
@@ -56,6 +55,8 @@ def kendall_tau(a: Sequence[float], b: Sequence[float]) -> float:
     tied_a, tied_b = len(set(a)) <= 1, len(set(b)) <= 1
     if tied_a or tied_b:
         return float(tied_a and tied_b)
+    import scipy.stats  # slow to import, and not everybody ranks
+
     ranks = (scipy.stats.rankdata(values, method="dense") for values in (a, b))
     result: Any = scipy.stats.kendalltau(*ranks, variant="b")
     return float(result.statistic)
