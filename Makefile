@@ -10,7 +10,7 @@ run: $(READY)
 	$(BIN)/ompl-risk plan $(ARGS)
 
 test: $(READY)
-	$(BIN)/python -m pytest -n 2 --dist loadgroup $(ARGS)
+	$(BIN)/python -m pytest -n 2 $(ARGS)
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

@@ -27,8 +27,11 @@ from ompl_risk._kernels.surface import height_at
 BASE = 4
 """Cells along the edge of a block on the finest level of the pyramid."""
 
-STACK = 160
-"""Entries that a search can hold: three siblings for each of up to 28 levels, and the roots."""
+STACK = 128
+"""Entries that a search can hold: three siblings for each of up to 28 levels, and room to spare."""
+
+SCRATCH = STACK - 16
+"""Where a family's bounds stand among the keys."""
 
 
 class HeightField(NamedTuple):
@@ -36,10 +39,10 @@ class HeightField(NamedTuple):
 
     Attributes:
         heights: posts [m], shape (ny, nx), row 0 in the south.
-        blocks: a, b, hi, lo of every block, shape (n, 4), level after level, finest first; the four
-            children of a block stand side by side, in one cache line.
-        levels: rows and columns of blocks, first block, columns of families of each level,
-            shape (levels, 4).
+        blocks: four a, four b, four hi and four lo for the four children of a block, a family, in
+            one cache line; shape (families, 16), level after level, finest first.
+        levels: rows and columns of blocks, first family, columns of families of each level, shape
+            (levels, 4).
         grid: x0, y0, dx, dy [m], shape (4,).
     """
 
@@ -61,7 +64,7 @@ def opened(handle):
     """The height field behind a handle."""
     return HeightField(
         carray(float64_at(handle[0]), (handle[4], handle[5])),
-        carray(float32_at(handle[1]), (handle[6], 4)),
+        carray(float32_at(handle[1]), (handle[6], 16)),
         carray(int64_at(handle[2]), (handle[7], 4)),
         carray(float64_at(handle[3]), (4,)),
     )
@@ -74,16 +77,10 @@ def pyramid_shape(ny: int, nx: int) -> NDArray[np.int64]:
         rows, columns = -(-(ny - 1) // size), -(-(nx - 1) // size)
         families = (rows + 1) // 2, (columns + 1) // 2
         levels.append((rows, columns, first, families[1]))
-        first += 4 * families[0] * families[1]
+        first += families[0] * families[1]
         if rows == columns == 1:
             return np.array(levels, dtype=np.int64)
         size *= 2
-
-
-@kernel
-def block_index(i, j, families):
-    """Place of block (i, j) within its level."""
-    return 4 * ((i >> 1) * families + (j >> 1)) + 2 * (i & 1) + (j & 1)
 
 
 @entry
@@ -105,10 +102,10 @@ def fit_blocks(heights, dx, dy, size, columns, families, out, first, last):
                     hi = max(hi, residual)
                     lo = min(lo, residual)
             slack = 1e-9 * (abs(hi) + abs(lo)) + 1e-12
-            block = block_index(i, j, families)
-            out[block, 0], out[block, 1] = a, b
-            out[block, 2] = _round_up(hi + slack)
-            out[block, 3] = -_round_up(slack - lo)
+            family, child = (i >> 1) * families + (j >> 1), 2 * (i & 1) + (j & 1)
+            out[family, child], out[family, 4 + child] = a, b
+            out[family, 8 + child] = _round_up(hi + slack)
+            out[family, 12 + child] = -_round_up(slack - lo)
 
 
 @kernel
@@ -245,58 +242,45 @@ def _cells(heights, i0, i1, j0, j1, known, dx, dy, x, y, z, best, qx, qy, qz):
 
 
 @kernel
-def _quadratic(a, b, over, west, east, south, north):
-    """Minimum of u^2 + v^2 + (over - a u - b v)^2 over a rectangle, and the residual there.
+def _bounds(blocks, family, south, west, wide, long, north, east, z, below, out):
+    """Lower bounds for the squared distances to the surface in the four blocks of a family.
 
-    Convex: either the free minimum lies inside, or the minimum lies on a side visible from it.
+    The minimum of u^2 + v^2 + (over - a u - b v)^2 over each block's rectangle, (u, v) counted from
+    the position. It is convex: either its free minimum lies inside, or the minimum lies on one of
+    the sides that are visible from there; the two candidates below cover every case. Without
+    branches, so that the compiler does all four at once. The bound is good only on the side of the
+    plane on which the position is; else what remains is the distance to the rectangle.
+
+    Args:
+        blocks, family: whose planes.
+        south, west: corner of the first block [m], from the position.
+        wide, long: extent of a block along x and y [m].
+        north, east: edges of the map [m], from the position.
+        z: height of the position [m].
+        below: 0 for the upper planes, 1 for the lower ones.
+        out: bounds in 0 to 3; in 4 to 7 whether the position was on the plane's side.
     """
-    n = over / (1.0 + a * a + b * b)
-    u, v = a * n, b * n
-    best, residual = math.inf, 0.0
-    inside = True
-    if u < west or u > east:
-        inside = False
-        side = west if u < west else east
-        along = b * (over - a * side) / (1.0 + b * b)
-        along = min(max(along, south), north)
-        residual = over - a * side - b * along
-        best = side * side + along * along + residual * residual
-    if v < south or v > north:
-        inside = False
-        side = south if v < south else north
-        along = a * (over - b * side) / (1.0 + a * a)
-        along = min(max(along, west), east)
-        r = over - a * along - b * side
-        value = side * side + along * along + r * r
-        if value < best:
-            best, residual = value, r
-    if inside:
-        return over * n, n
-    return best, residual
-
-
-@kernel
-def _bound(blocks, block, size, i, j, width, depth, dx, dy, x, y, z, best):
-    """Lower bound for the squared distance to the surface in a block, never above the truth.
-
-    Infinite where a cheap test shows that it is not below ``best``.
-    """
-    half = 0.5 * size
-    cx, cy = (j * size + half) * dx - x, (i * size + half) * dy - y
-    west, south = cx - half * dx, cy - half * dy
-    east, north = min(cx + half * dx, width - x), min(cy + half * dy, depth - y)
-    u, v = max(west, -east, 0.0), max(south, -north, 0.0)
-    across = u * u + v * v
-    a, b = float(blocks[block, 0]), float(blocks[block, 1])
-    over = z + a * cx + b * cy - blocks[block, 2]
-    if across >= best or (over > 0.0 and over * over >= best * (1.0 + a * a + b * b)):
-        return math.inf
-    value, residual = _quadratic(a, b, over, west, east, south, north)
-    if residual >= 0.0:
-        return value
-    over = z + a * cx + b * cy - blocks[block, 3]
-    value, residual = _quadratic(a, b, over, west, east, south, north)
-    return value if residual <= 0.0 else across
+    sign = 1.0 - 2.0 * below
+    for c in range(4):
+        a, b = float(blocks[family, c]), float(blocks[family, 4 + c])
+        offset = float(blocks[family, 8 + 4 * below + c])
+        u0, v0 = west + wide * (c & 1), south + long * (c >> 1)
+        over = z + a * (u0 + 0.5 * wide) + b * (v0 + 0.5 * long) - offset
+        u1, v1 = min(u0 + wide, east), min(v0 + long, north)
+        aa, bb = 1.0 + a * a, 1.0 + b * b
+        n = over / (aa + b * b)
+        u = min(max(a * n, u0), u1)
+        v = min(max(b * ((over - a * u) / bb), v0), v1)
+        r1 = over - a * u - b * v
+        q1 = u * u + v * v + r1 * r1
+        v = min(max(b * n, v0), v1)
+        u = min(max(a * ((over - b * v) / aa), u0), u1)
+        r2 = over - a * u - b * v
+        q2 = u * u + v * v + r2 * r2
+        u, v = max(u0, -u1, 0.0), max(v0, -v1, 0.0)
+        residual = sign * (r1 if q1 <= q2 else r2)
+        out[c] = min(q1, q2) if residual >= 0.0 else u * u + v * v
+        out[4 + c] = residual
 
 
 @kernel
@@ -329,51 +313,59 @@ def nearest(field, x, y, z, bound, stack, keys):
             heights, i0, i1 + 1, j0, j1 + 1, ip * nx + jp, dx, dy, x, y, z, best, qx, qy, qz
         )
         return best, x0 + qx, y0 + qy, qz
-    width, depth = (nx - 1) * dx, (ny - 1) * dy
-    level, size = 0, BASE
-    while (j1 // size - j0 // size > 1 or i1 // size - i0 // size > 1) and level < len(levels) - 1:
+    level, size = 0, 2 * BASE
+    while (j1 // size != j0 // size or i1 // size != i0 // size) and level < len(levels) - 1:
         level += 1
         size *= 2
-    top = 0
-    for i in range(i0 // size, i1 // size + 1):
-        for j in range(j0 // size, j1 // size + 1):
-            block = levels[level, 2] + block_index(i, j, levels[level, 3])
-            key = _bound(blocks, block, size, i, j, width, depth, dx, dy, x, y, z, best)
-            if key < best:
-                top = _push(stack, keys, 0, top, key, level, i, j)
+    top = _open(field, level, i0 // size, j0 // size, x, y, z, best, stack, keys, 0)
     while top > 0:
         top -= 1
         if keys[top] >= best:
             continue
         level, i, j = stack[top, 0], stack[top, 1], stack[top, 2]
-        if level == 0:
-            south, west = i * BASE, j * BASE
-            north, east = min(south + BASE, ny - 1), min(west + BASE, nx - 1)
-            best, qx, qy, qz = _cells(
-                heights, south, north, west, east, ip * nx + jp, dx, dy, x, y, z, best, qx, qy, qz
-            )
+        if level > 0:
+            top = _open(field, level - 1, i, j, x, y, z, best, stack, keys, top)
             continue
-        level -= 1
-        size = BASE << level
-        rows, columns = levels[level, 0], levels[level, 1]
-        family = levels[level, 2] + 4 * (i * levels[level, 3] + j)
-        low = top
-        for row in range(2 * i, min(2 * i + 2, rows)):
-            for column in range(2 * j, min(2 * j + 2, columns)):
-                block = family + 2 * (row & 1) + (column & 1)
-                key = _bound(blocks, block, size, row, column, width, depth, dx, dy, x, y, z, best)
-                if key < best:
-                    _fetch(heights, blocks, levels, level, row, column)
-                    top = _push(stack, keys, low, top, key, level, row, column)
+        south, west = i * BASE, j * BASE
+        north, east = min(south + BASE, ny - 1), min(west + BASE, nx - 1)
+        best, qx, qy, qz = _cells(
+            heights, south, north, west, east, ip * nx + jp, dx, dy, x, y, z, best, qx, qy, qz
+        )
     return best, x0 + qx, y0 + qy, qz
+
+
+@kernel
+def _open(field, level, i, j, x, y, z, best, stack, keys, top):
+    """Put those blocks of family (i, j) of a level on the stack that may be near enough."""
+    heights, blocks, levels = field.heights, field.blocks, field.levels
+    ny, nx = heights.shape
+    dx, dy = field.grid[2], field.grid[3]
+    rows, columns = levels[level, 0], levels[level, 1]
+    family = levels[level, 2] + i * levels[level, 3] + j
+    wide, long = (BASE << level) * dx, (BASE << level) * dy
+    west, south = 2 * j * wide - x, 2 * i * long - y
+    east, north = (nx - 1) * dx - x, (ny - 1) * dy - y
+    out = keys[SCRATCH:]
+    _bounds(blocks, family, south, west, wide, long, north, east, z, 0, out)
+    if min(out[4], out[5], out[6], out[7]) < 0.0:
+        other = keys[SCRATCH + 8 :]
+        _bounds(blocks, family, south, west, wide, long, north, east, z, 1, other)
+        for c in range(4):
+            out[c] = max(out[c], other[c])
+    low = top
+    for c in range(4):
+        row, column = 2 * i + (c >> 1), 2 * j + (c & 1)
+        if out[c] < best and row < rows and column < columns:
+            _fetch(heights, blocks, levels, level, row, column)
+            top = _push(stack, keys, low, top, out[c], level, row, column)
+    return top
 
 
 @kernel
 def _fetch(heights, blocks, levels, level, i, j):
     """Start loading what a visit to the block will read: most of a search is waiting for memory."""
     if level > 0:
-        first, families = levels[level - 1, 2], levels[level - 1, 3]
-        prefetch(blocks, first + 4 * (i * families + j), 0)
+        prefetch(blocks, levels[level - 1, 2] + i * levels[level - 1, 3] + j, 0)
     else:
         for row in range(i * BASE, min((i + 1) * BASE + 1, len(heights))):
             prefetch(heights, row, j * BASE)

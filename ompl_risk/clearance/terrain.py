@@ -161,7 +161,7 @@ def build_field(terrain: Terrain, threads: int) -> kernels.HeightField:
     (x0, y0), (dx, dy) = terrain.origin, terrain.spacing
     levels = kernels.pyramid_shape(*heights.shape)
     rows, columns, first, families = levels.T
-    blocks = np.empty((first[-1] + 4, 4), dtype=np.float32)
+    blocks = np.zeros((first[-1] + 1, 16), dtype=np.float32)
     for level in range(len(levels)):
         plane = blocks[first[level] :]
         in_chunks(
