@@ -105,6 +105,13 @@ def checks_goals_in_python(attempt: Attempt) -> bool:
     return is_function or is_python(checker) or is_python(space.getMotionValidator())
 
 
+def minimises_length(attempt: Attempt) -> bool:
+    """Whether the objective is OMPL's own path length, which is also what it takes for none."""
+    return (
+        attempt.objective is None or type(attempt.objective) is ob.PathLengthOptimizationObjective
+    )
+
+
 def waits_for_lazy_samples(attempt: Attempt) -> bool:
     """Whether goal states are still to come from a sampler in another thread."""
     return isinstance(attempt.goal, ob.GoalLazySamples) and not attempt.goal.hasStates()

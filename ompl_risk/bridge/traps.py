@@ -129,6 +129,13 @@ REFUSED: tuple[Trap, ...] = (
 
 WARNED: tuple[Trap, ...] = (
     Trap(
+        planners=_named(og, "SORRTstar"),
+        when=inspection.minimises_length,
+        what="{planner} minimising the path's length",
+        symptom="hangs for ever if the straight way turns out to be free: no sample is better",
+        instead="use og.InformedRRTstar or og.RRTstar",
+    ),
+    Trap(
         planners=FEASIBLE_ONLY,
         when=inspection.has_risk_objective,
         what="{planner} with {objective}",

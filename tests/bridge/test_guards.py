@@ -198,6 +198,7 @@ def test_a_refused_aorrtc_can_be_destroyed():
         (og.BKPIECE1, RiskyLength, "not optimised for risk"),
         (og.LBKPIECE1, sum_of(RiskyLength), "not optimised for risk"),
         (og.AORRTC, Length, "minimises the path's length"),
+        (og.SORRTstar, ob.PathLengthOptimizationObjective, "hangs for ever if the straight way"),
         (og.FMT, Length, "metric"),
     ],
 )

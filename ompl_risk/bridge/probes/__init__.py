@@ -71,6 +71,11 @@ TRAPS: tuple[Probe, ...] = (
         "TrapError with a RiskObjective, TrapWarning with another Python objective",
     ),
     Probe(
+        "sorrt_straight",
+        "SORRTstar minimising length on a free straight way",
+        "TrapWarning; with a RiskObjective it was not seen to hang",
+    ),
+    Probe(
         "rrtconnect_cost",
         "RRT, RRTConnect, KPIECE and the objective",
         "TrapWarning with a RiskObjective, in control planning too; rank several paths",
