@@ -4,14 +4,9 @@ from __future__ import annotations
 
 import math
 
-from ompl_risk._kernels.height_field import (
-    inside,
-    opened,
-    signed_distance,
-    surface_height,
-    workspace,
-)
+from ompl_risk._kernels.height_field import opened
 from ompl_risk._kernels.jit import entry, kernel
+from ompl_risk._kernels.nearest import inside, signed_distance, surface_height, workspace
 
 
 @kernel

@@ -13,8 +13,9 @@ import numpy as np
 from numba import carray  # pyright: ignore[reportPrivateImportUsage]
 from numpy.typing import NDArray
 
-from ompl_risk._kernels.height_field import STACK, HeightField, inside, opened, signed_distance
+from ompl_risk._kernels.height_field import HeightField, opened
 from ompl_risk._kernels.jit import entry, kernel
+from ompl_risk._kernels.nearest import STACK, inside, signed_distance
 from ompl_risk._kernels.pointers import float64_at, int64_at
 
 CONTACT = 1e-3

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ompl_risk._kernels import height_field as kernels
+from ompl_risk._kernels import height_field, nearest
 from ompl_risk.clearance.base import Clearance, as_length, as_queries
 from ompl_risk.clearance.threads import in_chunks, thread_count
 from ompl_risk.errors import ArgumentError
@@ -55,7 +55,7 @@ class TerrainClearance(Clearance):
         self.radius = as_length(radius, "radius")
         self.threads = thread_count(threads)
         self.field = build_field(terrain, self.threads)
-        self.handle = kernels.handle(self.field)
+        self.handle = height_field.handle(self.field)
 
     def __reduce__(self) -> tuple[Any, ...]:
         return _rebuild, (self.terrain, self.radius, self.threads)
@@ -92,7 +92,7 @@ class TerrainClearance(Clearance):
             raise ArgumentError("bound", bound, "above 0")
         d = np.empty(len(queries))
         in_chunks(
-            lambda first, last: kernels.signed_distances(
+            lambda first, last: nearest.signed_distances(
                 self.handle, queries[first:last], self.radius, bound, d[first:last]
             ),
             len(queries),
@@ -105,7 +105,7 @@ class TerrainClearance(Clearance):
         queries = as_queries(points, 3)
         found = np.empty_like(queries)
         in_chunks(
-            lambda first, last: kernels.nearest_points(
+            lambda first, last: nearest.nearest_points(
                 self.handle, queries[first:last], found[first:last]
             ),
             len(queries),
@@ -155,25 +155,25 @@ def _rebuild(terrain: Terrain, radius: float, threads: int) -> TerrainClearance:
     return TerrainClearance(terrain, radius, threads=threads)
 
 
-def build_field(terrain: Terrain, threads: int) -> kernels.HeightField:
+def build_field(terrain: Terrain, threads: int) -> height_field.HeightField:
     """The terrain with the search pyramid that the kernels use."""
     heights = terrain.heights
     (x0, y0), (dx, dy) = terrain.origin, terrain.spacing
-    levels = kernels.pyramid_shape(*heights.shape)
+    levels = height_field.pyramid_shape(*heights.shape)
     rows, columns, first, families = levels.T
     blocks = np.zeros((first[-1] + 1, 16), dtype=np.float32)
     for level in range(len(levels)):
         plane = blocks[first[level] :]
         in_chunks(
-            lambda south, north, level=level, plane=plane: kernels.fit_blocks(
-                heights, dx, dy, kernels.BASE << level, columns[level], families[level],
+            lambda south, north, level=level, plane=plane: height_field.fit_blocks(
+                heights, dx, dy, height_field.BASE << level, columns[level], families[level],
                 plane, south, north,
             ),
             int(rows[level]),
             threads,
-            least=max(1, 2**16 // (heights.shape[1] * kernels.BASE << level)),
+            least=max(1, 2**16 // (heights.shape[1] * height_field.BASE << level)),
         )  # fmt: skip
     grid = np.array([x0, y0, dx, dy], dtype=np.float64)
     for array in (blocks, levels, grid):
         array.setflags(write=False)
-    return kernels.HeightField(heights, blocks, levels, grid)
+    return height_field.HeightField(heights, blocks, levels, grid)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ompl_risk._kernels import height_field, motion
+from ompl_risk._kernels import motion, nearest
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.motion.base import MotionModel, Risk
 
@@ -32,7 +32,7 @@ class TerrainMotion(MotionModel):
                 risk.weight,
             ]
         )
-        self._work = (*height_field.workspace(), np.empty((motion.DEPTH, 2)))
+        self._work = (*nearest.workspace(), np.empty((motion.DEPTH, 2)))
         buffers = (*self._work, self.a, self.b, self._given)
         self._handle = np.concatenate(
             [clearance.handle, np.array([x.ctypes.data for x in buffers], dtype=np.int64)]
