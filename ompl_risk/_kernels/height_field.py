@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from ompl_risk._kernels.jit import entry, kernel
 from ompl_risk._kernels.pointers import float32_at, float64_at, int64_at
 
-BASE = 4
+BASE = 2
 """Cells along the edge of a block on the finest level of the pyramid."""
 
 

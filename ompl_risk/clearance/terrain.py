@@ -161,7 +161,8 @@ def build_field(terrain: Terrain, threads: int) -> height_field.HeightField:
     (x0, y0), (dx, dy) = terrain.origin, terrain.spacing
     levels = height_field.pyramid_shape(*heights.shape)
     rows, columns, first, families = levels.T
-    blocks = np.zeros((first[-1] + 1, 16), dtype=np.float32)
+    blocks = np.empty((first[-1] + 1, 16), dtype=np.float32)  # not zeros: those get small pages
+    blocks.fill(0.0)
     for level in range(len(levels)):
         plane = blocks[first[level] :]
         in_chunks(
