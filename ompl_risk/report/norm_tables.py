@@ -1,0 +1,116 @@
+"""The tables of norms, PC and CA, as parts of a figure."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from matplotlib.axes import Axes
+from matplotlib.patches import Rectangle
+
+from ompl_risk.report.style import FAINT, INK, RISKIEST, SAFEST, SIZES, colour
+
+MOST_NAMES = 7
+"""An order of more names than this does not fit below its column."""
+
+
+@dataclass(frozen=True)
+class NormTable:
+    """Norms of several trajectories.
+
+    Args:
+        title: what stands above.
+        labels: short labels of the trajectories, a row each.
+        columns: values by the norm's label, one for each trajectory.
+        units: unit of each column, by the norm's label.
+    """
+
+    title: str
+    labels: Sequence[str]
+    columns: Mapping[str, Sequence[float]]
+    units: Mapping[str, str]
+
+    def order(self, column: str) -> list[int]:
+        """Rows from the least value to the greatest."""
+        values = self.columns[column]
+        return sorted(range(len(values)), key=lambda i: (values[i], i))
+
+
+def draw_norm_table(axes: Axes, table: NormTable) -> None:
+    """Draw a table; the least number of a column is marked as safest, the greatest as riskiest."""
+    axes.set_axis_off()
+    axes.set_xlim(0.0, 1.0)
+    rows = len(table.labels)
+    axes.set_ylim(rows + 3.2, 0.0)  # in lines of text, downwards
+    axes.text(0.0, 0.45, table.title, fontsize=SIZES["text"] + 1, color=INK, va="center")
+    first = 0.16 if max(map(len, table.labels)) <= 4 else 0.3
+    width = (1.0 - first) / len(table.columns)
+    for i, label in enumerate(table.labels):
+        axes.add_patch(Rectangle((0.012, i + 2.3), 0.03, 0.4, color=colour(i)))
+        _cell(axes, 0.06, i + 2.5, label, weight="bold", align="left")
+    for k, column in enumerate(table.columns):
+        _draw_column(axes, table, column, first + k * width, width)
+    _rule(axes, 1.95, 1.2)
+    _rule(axes, rows + 2.05, 0.8)
+    _cell(axes, 0.012, rows + 2.6, "order", align="left", faint=True)
+
+
+def _draw_column(axes: Axes, table: NormTable, column: str, left: float, width: float) -> None:
+    centre, rows, order = left + width / 2, len(table.labels), table.order(column)
+    _cell(axes, centre, 1.2, mathematical(column), weight="bold")
+    _cell(axes, centre, 1.68, table.units[column], faint=True, small=True)
+    values = table.columns[column]
+    for i, value in enumerate(values):
+        background = _background(values, value)
+        if background:
+            box = Rectangle((left + 0.06 * width, i + 2.05), 0.88 * width, 0.9, color=background)
+            axes.add_patch(box)
+        _cell(axes, centre, i + 2.5, number(value), weight="bold" if background else "normal")
+    if rows <= MOST_NAMES and all(len(label) <= 2 for label in table.labels):
+        _cell(axes, centre, rows + 2.6, " ".join(table.labels[i] for i in order), small=True)
+    else:
+        _cell(axes, centre, rows + 2.6, f"safest: {table.labels[order[0]]}", small=True)
+
+
+def _background(values: Sequence[float], value: float) -> str | None:
+    if min(values) == max(values):
+        return None
+    if value == min(values):
+        return SAFEST
+    return RISKIEST if value == max(values) else None
+
+
+def _cell(
+    axes: Axes,
+    x: float,
+    y: float,
+    text: str,
+    *,
+    weight: str = "normal",
+    align: str = "center",
+    faint: bool = False,
+    small: bool = False,
+) -> None:
+    axes.text(
+        x, y, text, ha=align, va="center", fontweight=weight, color=FAINT if faint else INK,
+        fontsize=SIZES["small" if small else "text"],
+    )  # fmt: skip
+
+
+def _rule(axes: Axes, y: float, width: float) -> None:
+    axes.plot([0.0, 1.0], [y, y], color=INK, linewidth=width, clip_on=False)
+
+
+def mathematical(label: str) -> str:
+    """A norm's label with its exponent raised: "L2" as in the paper."""
+    head, bracket, rest = label.partition("(")
+    if len(head) > 1 and head[0] in "LH":
+        exponent = head[1:].replace("∞", r"\infty")
+        return f"$\\mathbf{{{head[0]}}}^{{\\mathbf{{{exponent}}}}}$" + bracket + rest
+    return label
+
+
+def number(value: float) -> str:
+    """Three digits, or "collides" for infinity."""
+    return "collides" if math.isinf(value) else f"{value:#.3g}"
