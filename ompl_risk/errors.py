@@ -132,6 +132,19 @@ class CollisionError(OmplRiskError):
         )
 
 
+class PlanningError(OmplRiskError):
+    """Planning has left too few paths to compare.
+
+    Args:
+        outcome: how many candidates there were, and what became of them.
+        remedy: what to do about it.
+    """
+
+    def __init__(self, outcome: str, remedy: str) -> None:
+        self.outcome, self.remedy = outcome, remedy
+        super().__init__(f"too few paths to compare: {outcome}; {remedy}")
+
+
 class ExtraError(OmplRiskError, ImportError):
     """An optional package is needed and not installed.
 

@@ -14,7 +14,7 @@ from ompl_risk.errors import ArgumentError, FileError
 if sys.version_info >= (3, 11):
     import tomllib
 else:
-    import tomli as tomllib
+    import tomli as tomllib  # pyright: ignore[reportMissingImports]
 
 
 def read_config(path: Path) -> dict[str, Any]:

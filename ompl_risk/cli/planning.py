@@ -175,10 +175,14 @@ def _facts(
 def _title(settings: PlanSettings, scene: Scene, problem: planners.Problem, count: int) -> str:
     kilometres = problem.distance / 1000
     return (
-        f"{scene.terrain.name}: {count} paths over {kilometres:.1f} km at {settings.speed:g} m/s, "
+        f"{_capital(scene.terrain.name)}: {count} paths over {kilometres:.1f} km at {settings.speed:g} m/s, "
         f"durations within {100 * settings.duration_tolerance:g} %"
     )
 
 
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
+
+
+def _capital(name: str) -> str:
+    return name[:1].upper() + name[1:]

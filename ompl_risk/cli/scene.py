@@ -13,6 +13,7 @@ from ompl_risk.clearance.base import as_length
 from ompl_risk.cli.settings import PLACES, JudgeSettings, PlanSettings
 from ompl_risk.errors import ArgumentError
 from ompl_risk.norms import Norm
+from ompl_risk.terrains.catalogue import PARAMETRIC
 
 if TYPE_CHECKING:
     from ompl_risk.terrains import Terrain
@@ -74,8 +75,8 @@ def load_terrain(name: str, settings: JudgeSettings) -> Terrain:
     """
     given: dict[str, Any] = {"bounds": settings.bounds, "fill": settings.fill, "crs": settings.crs}
     if settings.terrain_seed is not None:
-        if name not in terrains.catalogue.PARAMETRIC:
-            known = ", ".join(sorted(terrains.catalogue.PARAMETRIC))
+        if name not in PARAMETRIC:
+            known = ", ".join(sorted(PARAMETRIC))
             allowed = f"left out for {name}; it is for {known}"
             raise ArgumentError("terrain_seed", settings.terrain_seed, allowed)
         given["seed"] = settings.terrain_seed

@@ -24,12 +24,18 @@ class NormTable:
         labels: short labels of the trajectories, a row each.
         columns: values by the norm's label, one for each trajectory.
         units: unit of each column, by the norm's label.
+        form: how numbers are written.
     """
 
     title: str
     labels: Sequence[str]
     columns: Mapping[str, Sequence[float]]
     units: Mapping[str, str]
+    form: str = "#.3g"
+
+    def text(self, value: float) -> str:
+        """A number as it is shown; infinity is a collision."""
+        return "collides" if math.isinf(value) else format(value, self.form)
 
     def order(self, column: str) -> list[int]:
         """Rows from the least value to the greatest."""
@@ -60,25 +66,24 @@ def _draw_column(axes: Axes, table: NormTable, column: str, left: float, width: 
     centre, rows, order = left + width / 2, len(table.labels), table.order(column)
     _cell(axes, centre, 1.2, mathematical(column), weight="bold")
     _cell(axes, centre, 1.68, table.units[column], faint=True, small=True)
-    values = table.columns[column]
-    for i, value in enumerate(values):
-        background = _background(values, value)
+    texts = [table.text(value) for value in table.columns[column]]
+    for i, text in enumerate(texts):
+        background = _background(text, least=texts[order[0]], greatest=texts[order[-1]])
         if background:
             box = Rectangle((left + 0.06 * width, i + 2.05), 0.88 * width, 0.9, color=background)
             axes.add_patch(box)
-        _cell(axes, centre, i + 2.5, number(value), weight="bold" if background else "normal")
+        _cell(axes, centre, i + 2.5, text, weight="bold" if background else "normal")
     if rows <= MOST_NAMES and all(len(label) <= 2 for label in table.labels):
         _cell(axes, centre, rows + 2.6, " ".join(table.labels[i] for i in order), small=True)
     else:
         _cell(axes, centre, rows + 2.6, f"safest: {table.labels[order[0]]}", small=True)
 
 
-def _background(values: Sequence[float], value: float) -> str | None:
-    if min(values) == max(values):
+def _background(text: str, *, least: str, greatest: str) -> str | None:
+    """Numbers that look the same are marked the same."""
+    if least == greatest:
         return None
-    if value == min(values):
-        return SAFEST
-    return RISKIEST if value == max(values) else None
+    return {least: SAFEST, greatest: RISKIEST}.get(text)
 
 
 def _cell(
@@ -109,8 +114,3 @@ def mathematical(label: str) -> str:
         exponent = head[1:].replace("∞", r"\infty")
         return f"$\\mathbf{{{head[0]}}}^{{\\mathbf{{{exponent}}}}}$" + bracket + rest
     return label
-
-
-def number(value: float) -> str:
-    """Three digits, or "collides" for infinity."""
-    return "collides" if math.isinf(value) else f"{value:#.3g}"

@@ -111,23 +111,39 @@ def _set_limits(axes: Axes, points: FloatArray) -> None:
 
 
 def _draw_ground(axes: Axes, terrain: Terrain, ceiling: float | None) -> None:
-    x, y = terrain.axes
-    half_x, half_y = x.step / 2, y.step / 2  # a pixel is centred on its post
-    extent = [(v * KM) for v in (x.start - half_x, x.stop + half_x)]
-    extent += [(v * KM) for v in (y.start - half_y, y.stop + half_y)]
-    picture: dict[str, Any] = {"origin": "lower", "extent": extent, "aspect": "equal"}
     limits = axes.get_xlim(), axes.get_ylim()
+    shown = _part_within(terrain, *limits)
+    x, y = shown.axes
+    half_x, half_y = x.step / 2, y.step / 2  # a pixel is centred on its post
+    edges = (x.start - half_x, x.stop + half_x, y.start - half_y, y.stop + half_y)
     axes.set_facecolor("#E8E8E8")
-    shade = terrain.hillshade()
-    axes.imshow(shade, cmap="gray", vmin=-1.1, vmax=1.05, interpolation="bilinear", **picture)
-    if ceiling is not None and terrain.heights.max() > ceiling:
-        levels = [ceiling, math.inf]
+    axes.imshow(
+        shown.hillshade(),
+        cmap="gray",
+        vmin=-1.1,
+        vmax=1.05,
+        interpolation="bilinear",
+        origin="lower",
+        extent=(KM * edges[0], KM * edges[1], KM * edges[2], KM * edges[3]),
+        aspect="equal",
+    )
+    if ceiling is not None and shown.heights.max() > ceiling:
         posts = [KM * (axis.start + axis.step * np.arange(axis.count)) for axis in (x, y)]
-        axes.contourf(*posts, terrain.heights, levels, colors=[ABOVE], alpha=0.45)
+        axes.contourf(*posts, shown.heights, [ceiling, math.inf], colors=[ABOVE], alpha=0.45)
         patch = Patch(color=ABOVE, alpha=0.45, label=f"ground above the ceiling, {ceiling:.0f} m")
         axes.legend(handles=[patch], loc="lower right", fontsize=SIZES["small"], framealpha=0.9)
     axes.set_xlim(limits[0])
     axes.set_ylim(limits[1])
+
+
+def _part_within(terrain: Terrain, x: tuple[float, float], y: tuple[float, float]) -> Terrain:
+    """The posts that can be seen between limits [km]: large maps need not be drawn whole."""
+    xmin, xmax, ymin, ymax = terrain.extent
+    west, east = np.clip(np.array(x) / KM, xmin, xmax)
+    south, north = np.clip(np.array(y) / KM, ymin, ymax)
+    if not (west < east and south < north):
+        return terrain
+    return terrain.window((float(west), float(south), float(east), float(north)))
 
 
 def _draw_ends(axes: Axes, curves: Sequence[FloatArray]) -> None:

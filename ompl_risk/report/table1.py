@@ -45,9 +45,9 @@ def table1_figure(table: Table1 | None = None, path: str | Path | None = None) -
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=SIZES["small"])
     axes.legend(fontsize=SIZES["text"], frameon=False)
-    for y, kind, title in (
-        (0.5, "ours", "Our norms"),
-        (0.06, "printed", "Table I as printed (L¹: 10 x norm, H¹: 10 x norm²)"),
+    for y, kind, form, title in (
+        (0.5, "ours", ".3f", "Our norms"),
+        (0.06, "printed", ".1f", "Table I as printed (L¹: 10 x norm, H¹: 10 x norm²)"),
     ):
         columns = {
             norm.label: [getattr(table.row(name, norm.label), kind) for name in CURVES]
@@ -55,7 +55,7 @@ def table1_figure(table: Table1 | None = None, path: str | Path | None = None) -
         }
         units = dict.fromkeys(columns, "")
         draw_norm_table(
-            figure.add_axes((0.6, y, 0.375, 0.42)), NormTable(title, CURVES, columns, units)
+            figure.add_axes((0.6, y, 0.375, 0.42)), NormTable(title, CURVES, columns, units, form)
         )
     if path is not None:
         save(figure, path)

@@ -45,5 +45,3 @@ def test_no_stray_packages_and_all_data_are_in_the_wheel(tmp_path):
             inside = name if name.startswith("ompl_risk/") else f"ompl_risk/{name}"
             assert inside in packed or "/data/" in inside
     assert "ompl_risk/terrains/data/jacksboro_fault.tif" in packed
-
-
