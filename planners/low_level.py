@@ -54,7 +54,8 @@ def low_level_flight(
             the ceiling (each with the height of the ground there), or another number out of range.
     """
     terrain = clearance.terrain
-    margin = as_length(margin, "margin")
+    if not 0.0 <= margin < math.inf:
+        raise ArgumentError("margin", margin, "a finite number of at least 0")
     ends = {
         "start": _above_ground("start", terrain, start, start_height),
         "goal": _above_ground("goal", terrain, goal, goal_height),

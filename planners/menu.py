@@ -50,7 +50,8 @@ def menu(
         planner, _, criterion = search.rpartition(":")
         planner = planner or PLANNER
         if planner not in ITERATIONS:
-            raise ArgumentError("searches", search, f"by one of {', '.join(ITERATIONS)}")
+            allowed = f"a criterion, or planner:criterion by one of {', '.join(ITERATIONS)}"
+            raise ArgumentError("searches", search, allowed)
         iterations = max(1, round(effort * ITERATIONS[planner]))
         what = parse_criterion(criterion, argument="searches")
         tasks.append(Task(planner, what, seed + len(tasks), iterations, time_limit))

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import math
 import time
+import warnings
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -12,6 +15,7 @@ from ompl import util as ou
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk.bridge import ClearanceMotionValidator, ClearanceValidityChecker
+from ompl_risk.errors import TrapWarning
 from ompl_risk.motion import Risk, motion_model
 from ompl_risk.planners.problem import Problem
 from ompl_risk.planners.shortcut import MotionCost, shortcut
@@ -22,7 +26,7 @@ from ompl_risk.trajectory import Trajectory
 def solve_task(problem: Problem, task: Task) -> Candidate:
     """Plan a candidate; the same problem and task give the same path.
 
-    OMPL's random numbers are seeded anew and its log is silenced, for the whole process.
+    OMPL's random numbers are seeded anew, for the whole process; its log is silent meanwhile.
 
     Args:
         problem: what to plan.
@@ -32,12 +36,17 @@ def solve_task(problem: Problem, task: Task) -> Candidate:
         The candidate. An exception is no exception here but a candidate without a path, with the
         reason; only KeyboardInterrupt and the like pass through.
     """
-    begin = time.monotonic()
+    begin, log_level = time.monotonic(), ou.getLogLevel()
+    ou.setLogLevel(ou.LOG_NONE)  # also hides the complaint about being seeded a second time
     try:
-        return _solve(problem, task)
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", TrapWarning)  # the path is checked here anyway
+            return _solve(problem, task)
     except Exception as error:
         reason = f"{type(error).__name__}: {error}".splitlines()[0]
         return Candidate(task, Status.FAILED, seconds=time.monotonic() - begin, reason=reason)
+    finally:
+        ou.setLogLevel(log_level)
 
 
 class Budget:
@@ -81,7 +90,6 @@ def motion_cost(problem: Problem, risk: Risk | None) -> MotionCost:
 
 
 def _solve(problem: Problem, task: Task) -> Candidate:
-    ou.setLogLevel(ou.LOG_NONE)  # also hides the complaint about being seeded a second time
     ou.RNG.setSeed(task.seed)
     setup = _setup(problem, task)
     budget = Budget(task.iterations, task.time_limit)
@@ -92,6 +100,9 @@ def _solve(problem: Problem, task: Task) -> Candidate:
         return Candidate(task, Status.NO_PATH, seconds=budget.seconds, reason=reason, **facts)
     path = Trajectory.from_path(setup.getSolutionPath(), speed=problem.speed)
     cost = motion_cost(problem, task.criterion.risk(problem))
+    if not all(math.isfinite(cost(a, b)) for a, b in pairwise(path.positions)):
+        reason = "the path that the planner calls a solution is not free"
+        return Candidate(task, Status.NO_PATH, seconds=budget.seconds, reason=reason, **facts)
     positions = shortcut(path.positions, cost)
     return Candidate(
         task,

@@ -82,7 +82,7 @@ def fit_blocks(heights, dx, dy, size, columns, families, out, first, last):
             south, west = i * size, j * size
             north, east = min(south + size, ny - 1), min(west + size, nx - 1)
             a, b = _slopes(heights, south, north, west, east, dx, dy)
-            a, b = float(np.float32(a)), float(np.float32(b))
+            a, b = np.float64(np.float32(a)), np.float64(np.float32(b))
             u0, v0 = -0.5 * size * dx, -0.5 * size * dy
             hi, lo = -math.inf, math.inf
             for row in range(south, north + 1):

@@ -28,8 +28,16 @@ FINE = 0.5
 """Pieces shorter than so many clearances times the tolerance are not halved again: this ends the
 halving at kinks of f, where it converges only in proportion to the length."""
 
+FIRST = 0.382
+"""Where a motion is split before the halving begins: at no simple fraction, so that samples do not
+keep step with regular ground."""
+
 BLIND = 0.1
 """Longest piece with no risk at its ends and middle, but perhaps some between, in clearances."""
+
+NEAR = 0.01
+"""Clearance below which the maximum of f is found to an absolute accuracy, in units of d0: level
+flight a hand's breadth over flat ground would else take millions of samples."""
 
 DEPTH = 96
 """Pieces that can wait while their left neighbours are halved."""
@@ -155,7 +163,8 @@ def _motion_power(motion, length):
     """Integral of f^p + tau^2 f'^2 along the motion by adaptive halving.
 
     A piece is accepted once halving it changes its share by less than the tolerance; the
-    difference also extrapolates it (both terms converge with the square of the piece's length).
+    difference also extrapolates it. Ripples of f that are short against the clearance can be
+    missed, not so collisions.
     """
     a, b, given, pieces = motion.a, motion.b, motion.given, motion.pieces
     speed, far, p = given[SPEED], given[FAR], given[POWER]
@@ -169,7 +178,11 @@ def _motion_power(motion, length):
         return math.inf
     s0, total = 0.0, 0.0
     pieces[0, 0], pieces[0, 1] = length, d1
-    top = 1
+    x, y, z = a[0] + FIRST * ux, a[1] + FIRST * uy, a[2] + FIRST * uz
+    pieces[1, 0], pieces[1, 1] = FIRST * length, _clearance(motion, bound, x, y, z)
+    if pieces[1, 1] <= CONTACT:
+        return math.inf
+    top = 2
     while top > 0:
         s1, d1 = pieces[top - 1, 0], pieces[top - 1, 1]
         h = s1 - s0
@@ -177,7 +190,8 @@ def _motion_power(motion, length):
             s0, d0 = s1, d1
             top -= 1
             continue
-        t = 0.5 * (s0 + s1) / length if length > 0.0 else 0.0
+        s = 0.5 * (s0 + s1)
+        t = s / length if length > 0.0 else 0.0
         d = _clearance(motion, far + h, a[0] + t * ux, a[1] + t * uy, a[2] + t * uz)
         if d <= CONTACT:
             return math.inf
@@ -196,7 +210,7 @@ def _motion_power(motion, length):
                 s0, d0 = s1, d1
                 top -= 1
                 continue
-        pieces[top, 0], pieces[top, 1] = 0.5 * (s0 + s1), d
+        pieces[top, 0], pieces[top, 1] = s, d
         top += 1
     return total
 
@@ -218,7 +232,8 @@ def _motion_maximum(motion, length):
         if least <= CONTACT:
             return math.inf
         s1, d1 = pieces[top - 1, 0], pieces[top - 1, 1]
-        if 0.5 * (d0 + d1 - (s1 - s0)) >= min(least * (1.0 - tolerance), far):
+        slack = tolerance * max(least, NEAR * far)
+        if 0.5 * (d0 + d1 - (s1 - s0)) >= min(max(least - slack, 0.5 * CONTACT), far):
             s0, d0 = s1, d1
             top -= 1
             continue

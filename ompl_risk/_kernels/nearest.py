@@ -151,8 +151,9 @@ def _bounds(blocks, family, south, west, wide, long, north, east, z, below, out)
     """
     sign = 1.0 - 2.0 * below
     for c in range(4):
-        a, b = float(blocks[family, c]), float(blocks[family, 4 + c])
-        offset = float(blocks[family, 8 + 4 * below + c])
+        # not float(): numba keeps that in single precision, and a bound could then exceed the truth
+        a, b = np.float64(blocks[family, c]), np.float64(blocks[family, 4 + c])
+        offset = np.float64(blocks[family, 8 + 4 * below + c])
         u0, v0 = west + wide * (c & 1), south + long * (c >> 1)
         over = z + a * (u0 + 0.5 * wide) + b * (v0 + 0.5 * long) - offset
         u1, v1 = min(u0 + wide, east), min(v0 + long, north)
@@ -277,8 +278,9 @@ def _push(stack, keys, low, top, key, level, i, j):
 def inside(field, x, y):
     """Whether a position lies within the map; false for NaN."""
     ny, nx = field.heights.shape
-    u, v = x - field.grid[0], y - field.grid[1]
-    return u >= 0.0 and v >= 0.0 and u <= (nx - 1) * field.grid[2] and v <= (ny - 1) * field.grid[3]
+    x0, y0, dx, dy = field.grid[0], field.grid[1], field.grid[2], field.grid[3]
+    # the very expressions of Terrain.extent: its corners are inside whatever the rounding
+    return x >= x0 and y >= y0 and x <= x0 + (nx - 1) * dx and y <= y0 + (ny - 1) * dy
 
 
 @kernel

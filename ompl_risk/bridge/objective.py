@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from functools import cache
 from itertools import pairwise
 from typing import Any
 
@@ -69,7 +70,7 @@ class RiskObjective(ob.OptimizationObjective):
         """Choose the class: what is overridden costs a Python call each, so only where it must."""
         norm = options.get("norm", args[3] if len(args) > 3 else None)
         maximum = isinstance(norm, Norm) and math.isinf(norm.exponent)
-        kind: Any = _MaximumRiskObjective if maximum and cls is RiskObjective else cls
+        kind: Any = _with_maximum(cls) if maximum else cls
         return super().__new__(kind)
 
     def __init__(
@@ -160,9 +161,14 @@ class RiskObjective(ob.OptimizationObjective):
         return self.risk.root(self.risk.combine(powers))
 
 
-class _MaximumRiskObjective(RiskObjective):
-    """``RiskObjective`` for ``Lp(inf)``: the cost of a path is its worst motion."""
+def _larger(_objective: Any, c1: ob.Cost, c2: ob.Cost) -> ob.Cost:
+    """The larger of two costs: with ``Lp(inf)`` a path costs what its worst motion costs."""
+    return c1 if c1.value() >= c2.value() else c2
 
-    def combineCosts(self, c1: ob.Cost, c2: ob.Cost) -> ob.Cost:
-        """The larger of two costs."""
-        return c1 if c1.value() >= c2.value() else c2
+
+@cache
+def _with_maximum(kind: type[RiskObjective]) -> type:
+    """The objective class with costs that combine by their maximum."""
+    if "combineCosts" in vars(kind):
+        return kind
+    return type(kind.__name__, (kind,), {"__doc__": kind.__doc__, "combineCosts": _larger})

@@ -46,8 +46,17 @@ def read_path(path: Any, speed: float | None = None, name: str = "") -> Trajecto
     plain = Trajectory.at_constant_speed(positions, speed, name)
     if orientations is None:
         return plain
-    moved = np.append(True, np.linalg.norm(np.diff(positions, axis=0), axis=1) > 0.0)
-    return Trajectory(plain.t, plain.positions, name, orientations=orientations[moved])
+    steps = np.linalg.norm(np.diff(positions, axis=0), axis=1)
+    turns = 1.0 - np.abs(np.einsum("ij,ij->i", orientations[1:], orientations[:-1])) > 1e-12
+    kept = np.append(True, np.diff(np.append(0.0, np.cumsum(steps)) / speed) > 0.0)
+    if (turns & ~kept[1:]).any():
+        state = int(np.flatnonzero(turns & ~kept[1:])[0])
+        raise ArgumentError(
+            "path",
+            f"a turn on the spot after state {state}",
+            "moving wherever it turns: at constant speed such a turn would take no time",
+        )
+    return Trajectory(plain.t, plain.positions, name, orientations=orientations[kept])
 
 
 def publish(
@@ -72,6 +81,8 @@ def publish(
         ArgumentError: paths and ranking differ in number, an unknown label, or the safest path is
             in collision, so that there is nothing to publish.
     """
+    if not hasattr(ranking, "assessments"):
+        raise ArgumentError("ranking", ranking, "a Ranking, as from rank(...)")
     names = [one.name for one in ranking.assessments]
     if len(paths) != len(names):
         raise ArgumentError("paths", f"{len(paths)} paths", f"{len(names)}, as in the ranking")

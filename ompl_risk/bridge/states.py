@@ -61,13 +61,12 @@ class StateReader:
 def _leading(space: Any) -> Any:
     """The R^3 or SE(3) at the start of a space."""
     found = space
-    while isinstance(found, ob.CompoundStateSpace) and not isinstance(found, ob.SE3StateSpace):
-        if found.getSubspaceCount() == 0:
-            break
+    # Exact types: motions of derived spaces, as Owen's or Dubins', may be curves.
+    while type(found) is ob.CompoundStateSpace and found.getSubspaceCount() > 0:
         found = found.getSubspace(0)
-    if isinstance(found, ob.SE3StateSpace):
+    if type(found) is ob.SE3StateSpace:
         return found
-    if isinstance(found, ob.RealVectorStateSpace) and found.getDimension() == 3:
+    if type(found) is ob.RealVectorStateSpace and found.getDimension() == 3:
         return found
     kind = type(space).__name__
     if isinstance(space, ob.RealVectorStateSpace):

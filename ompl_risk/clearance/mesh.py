@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -89,7 +88,8 @@ class MeshClearance(Clearance):
 
     def of_point(self) -> MeshClearance:
         """The same obstacles for a body that is a single point."""
-        other = copy.copy(self)
+        other = object.__new__(type(self))
+        vars(other).update(vars(self))
         other.radius, other.reach, other.uses_orientation, other._body = 0.0, 0.0, False, None
         return other
 

@@ -25,7 +25,7 @@ class SignedSurface:
     def __init__(self, meshes: list[Any], *, solid: bool) -> None:
         import fcl
 
-        self._fcl, self._solid = fcl, solid
+        self._fcl, self._solid, self._meshes = fcl, solid, meshes
         offsets = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
         self.vertices = np.ascontiguousarray(np.vstack([mesh.vertices for mesh in meshes]))
         self._faces = np.vstack([m.faces + k for m, k in zip(meshes, offsets, strict=False)])
@@ -39,6 +39,9 @@ class SignedSurface:
         self._rotation, self._position = np.eye(3), np.zeros(3)
         if solid:
             self._prepare_normals()
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return _rebuild, (self._meshes, self._solid)
 
     def place(self, pose: NDArray[np.float64]) -> None:
         """Move to a pose (x, y, z, qx, qy, qz, qw)."""
@@ -70,9 +73,9 @@ class SignedSurface:
         if not self._solid:
             return 0.0 if crossing else apart
         world = body.vertices @ body._rotation.T + body._position
-        samples = world if crossing else world[:1]
+        samples = world if crossing else world[body._first_of_pieces]
         deepest = min(self.signed_distance(vertex) for vertex in samples)
-        samples = self.vertices if crossing else self._first_vertices
+        samples = self.vertices if crossing else self.vertices[self._first_of_pieces]
         deepest = min(deepest, *(body.signed_distance(vertex) for vertex in samples))
         if crossing:
             return min(deepest, -np.finfo(np.float64).tiny)
@@ -96,7 +99,7 @@ class SignedSurface:
                 edge = (int(min(a, b)), int(max(a, b)))
                 self._at_edges[edge] = self._at_edges.get(edge, 0.0) + normal
         pieces = trimesh.graph.connected_components(mesh.edges, nodes=np.arange(len(mesh.vertices)))
-        self._first_vertices = self.vertices[[piece[0] for piece in pieces]]
+        self._first_of_pieces = [int(piece[0]) for piece in pieces]
 
     def _pseudonormal(self, face: int, point: NDArray[np.float64]) -> NDArray[np.float64]:
         """Pseudonormal of the face, edge or vertex on which the point lies."""
@@ -109,6 +112,11 @@ class SignedSurface:
             a, b = sorted(int(v) for v in corners[on])
             return self._at_edges[a, b]
         return self._normals[face]
+
+
+def _rebuild(meshes: list[Any], solid: bool) -> SignedSurface:
+    """Unpickle: collision objects cannot be sent, so they are made anew."""
+    return SignedSurface(meshes, solid=solid)
 
 
 def _barycentric(point: NDArray[np.float64], triangle: NDArray[np.float64]) -> NDArray[np.float64]:

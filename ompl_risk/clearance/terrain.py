@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import copy
 import math
 from typing import TYPE_CHECKING, Any
 
@@ -51,6 +50,10 @@ class TerrainClearance(Clearance):
     def __init__(
         self, terrain: Terrain, radius: float = 0.0, *, threads: int | None = None
     ) -> None:
+        if not hasattr(terrain, "heights"):
+            raise ArgumentError(
+                "terrain", terrain, "a Terrain, as from ompl_risk.terrains.load(...)"
+            )
         self.terrain = terrain
         self.radius = as_length(radius, "radius")
         self.threads = thread_count(threads)
@@ -58,14 +61,15 @@ class TerrainClearance(Clearance):
         self.handle = height_field.handle(self.field)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _rebuild, (self.terrain, self.radius, self.threads)
+        return _rebuild, (type(self), self.terrain, self.radius, self.threads)
 
     def __repr__(self) -> str:
         return f"TerrainClearance({self.terrain!r}, radius={self.radius:g})"
 
     def with_radius(self, radius: float) -> TerrainClearance:
         """The same terrain for a sphere of another radius [m]; the search structure is shared."""
-        other = copy.copy(self)
+        other = object.__new__(type(self))  # not copy.copy: that pickles, and would build anew
+        vars(other).update(vars(self))
         other.radius = as_length(radius, "radius")
         return other
 
@@ -88,7 +92,7 @@ class TerrainClearance(Clearance):
             ArgumentError: wrong shape, a number that is not finite, or a bound of 0 or less.
         """
         queries = as_queries(points, 3)
-        if not bound > 0.0:
+        if not isinstance(bound, int | float) or not bound > 0.0:
             raise ArgumentError("bound", bound, "above 0")
         d = np.empty(len(queries))
         in_chunks(
@@ -128,7 +132,7 @@ class TerrainClearance(Clearance):
         queries = as_queries(points, 3)
         away = queries - self.nearest(queries)
         length = np.linalg.norm(away, axis=1)
-        above = self.with_radius(0.0)(queries) >= 0.0
+        above = self(queries) + self.radius >= 0.0
         scale = 1e-12 * (1.0 + np.abs(queries).max(axis=1, initial=0.0))
         touching = length <= scale
         away[touching] = self._normals(queries[touching])
@@ -150,9 +154,11 @@ class TerrainClearance(Clearance):
         return np.column_stack([-gx, -gy, np.ones_like(gx)])
 
 
-def _rebuild(terrain: Terrain, radius: float, threads: int) -> TerrainClearance:
+def _rebuild(
+    kind: type[TerrainClearance], terrain: Terrain, radius: float, threads: int
+) -> TerrainClearance:
     """Unpickle: the search structure is made anew, it is quicker than sending it."""
-    return TerrainClearance(terrain, radius, threads=threads)
+    return kind(terrain, radius, threads=threads)
 
 
 def build_field(terrain: Terrain, threads: int) -> height_field.HeightField:

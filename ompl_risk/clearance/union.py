@@ -30,6 +30,8 @@ class UnionClearance(Clearance):
     """
 
     def __init__(self, members: Sequence[Any]) -> None:
+        if not isinstance(members, Sequence):
+            raise ArgumentError("members", members, "a list of clearances")
         self.members = tuple(members)
         if not self.members:
             raise ArgumentError("members", list(self.members), "at least one clearance")

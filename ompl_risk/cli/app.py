@@ -27,6 +27,7 @@ def make_app(console: Console, config: Mapping[str, Any], source: str) -> App:
         help="Rank motion plans by their risk of collision.",
         version=__version__,
         console=console,
+        suppress_keyboard_interrupt=False,
         default_parameter=Parameter(negative=(), consume_multiple=True),
         config=(Dict(dict(config), source=source, use_commands_as_keys=False),),
     )

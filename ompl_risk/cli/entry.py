@@ -35,8 +35,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     try:
         return _run(tokens)
     except CycloptsError as error:
-        error.verbose = False
-        line = f"{' '.join(str(error).split())} See ompl-risk {_command(tokens)}--help"
+        line = f"{_of_parser(error)} See ompl-risk {_command(tokens)}--help"
     except OmplRiskError as error:
         line = " ".join(_as_typed(error).split())
     except KeyboardInterrupt:
@@ -67,6 +66,16 @@ def _config_file(tokens: Sequence[str]) -> Path | None:
         if token == "--config" and k + 1 < len(tokens):
             return Path(tokens[k + 1])
     return None
+
+
+def _of_parser(error: CycloptsError) -> str:
+    """The message of the parser in one line, with the argument if it does not say."""
+    error.verbose = False
+    message = " ".join(str(error).split())
+    name = getattr(error.argument, "name", "")
+    if name and name not in message and name.lstrip("-") not in message:
+        return f"{name}: {message}"
+    return message
 
 
 def _command(tokens: Sequence[str]) -> str:

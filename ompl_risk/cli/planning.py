@@ -43,6 +43,7 @@ def plan(settings: PlanSettings, console: Console) -> Judgement:
         min_distance=settings.separation * problem.distance,
     )
     _check(selection, found)
+    _warn(found, console)
     few = "" if len(selection.chosen) == settings.count else f" instead of {settings.count}"
     console.print(f"{selection.summary}{few}.", markup=False, highlight=False)
     judgement = judge([c.trajectory(settings.speed) for c in selection.chosen], scene, letters=True)
@@ -65,7 +66,7 @@ def _resolved(settings: PlanSettings, problem: planners.Problem) -> PlanSettings
         start=(float(problem.start[0]), float(problem.start[1])),
         goal=(float(problem.goal[0]), float(problem.goal[1])),
         ceiling=float(problem.high[2]),
-        workers=settings.workers or _processors(),
+        workers=_processors() if settings.workers is None else settings.workers,
     )
 
 
@@ -73,6 +74,8 @@ def _tasks(settings: PlanSettings, problem: planners.Problem) -> list[planners.T
     """The tasks, after a check of every setting that matters to them."""
     if settings.count < 2:
         raise ArgumentError("count", settings.count, "at least 2, or there is nothing to compare")
+    if settings.workers is not None and settings.workers < 1:
+        raise ArgumentError("workers", settings.workers, "a whole number of at least 1")
     if not 0.0 < settings.separation < float("inf"):
         raise ArgumentError("separation", settings.separation, "a positive finite number")
     tasks = menu(
@@ -143,6 +146,18 @@ def _check(selection: planners.Selection, found: Sequence[planners.Candidate]) -
     raise PlanningError(selection.summary, remedy)
 
 
+def _warn(found: Sequence[planners.Candidate], console: Console) -> None:
+    """Say which runs failed or were cut short: the selection counts them among the others."""
+    for candidate in found:
+        if candidate.status is planners.Status.FAILED:
+            line = f"{candidate.task.label} failed: {candidate.reason}"
+            console.print(line, markup=False, highlight=False, soft_wrap=True)
+    late = sum(candidate.timed_out for candidate in found)
+    if late:
+        line = f"{late} of {len(found)} runs reached --time-limit: another run may differ."
+        console.print(line, markup=False, highlight=False)
+
+
 def _facts(
     settings: PlanSettings,
     judgement: Judgement,
@@ -173,16 +188,13 @@ def _facts(
 
 
 def _title(settings: PlanSettings, scene: Scene, problem: planners.Problem, count: int) -> str:
-    kilometres = problem.distance / 1000
+    name, kilometres = scene.terrain.name, problem.distance / 1000
     return (
-        f"{_capital(scene.terrain.name)}: {count} paths over {kilometres:.1f} km at {settings.speed:g} m/s, "
+        f"{name[:1].upper() + name[1:]}: {count} paths over {kilometres:.1f} km "
+        f"at {settings.speed:g} m/s, "
         f"durations within {100 * settings.duration_tolerance:g} %"
     )
 
 
 def _processors() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
-
-
-def _capital(name: str) -> str:
-    return name[:1].upper() + name[1:]

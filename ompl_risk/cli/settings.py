@@ -16,7 +16,10 @@ from ompl_risk.planners.menu import SEARCHES
 
 def _whole(_type: Any, tokens: Any) -> int:
     """A whole number: the parser's own conversion would round 2.5."""
-    return int(tokens[0].value)
+    try:
+        return int(tokens[0].value)
+    except ValueError:
+        raise ValueError(f'"{tokens[0].value}" is no whole number') from None
 
 
 Whole = Annotated[int, Parameter(converter=_whole)]

@@ -32,7 +32,7 @@ class Risk:
     Args:
         avoidance: f as a function of d.
         norm: ``Lp(p)`` or ``Sobolev(1)``.
-        speed: constant speed of the vehicle along motions [m/s].
+        speed: constant speed along motions [m/s], of the fastest point of a body that turns.
         duration_weight: cost of a second [m^-p]; ``None`` for the tie-break, 0 for none.
         tolerance: pieces of a motion are halved until a share of the cost changes by less than
             this fraction; the cost as a whole is then about as accurate.

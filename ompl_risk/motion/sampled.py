@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ompl_risk._interpolation import great_arc
-from ompl_risk._kernels.motion import BLIND, COARSE, CONTACT, FINE
+from ompl_risk._kernels.motion import BLIND, COARSE, CONTACT, FINE, FIRST, NEAR
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion.base import MotionModel, Risk
 from ompl_risk.norms.lp import mean_power
@@ -28,6 +28,11 @@ class _Pieces(NamedTuple):
     def where(self, keep: NDArray[np.bool_]) -> _Pieces:
         return _Pieces(*(column[keep] for column in self))
 
+    @property
+    def between(self) -> Floats:
+        """The middles of the pieces."""
+        return 0.5 * (self.s0 + self.s1)
+
     def halved(self, keep: NDArray[np.bool_], middle: Floats) -> _Pieces:
         """Both halves of the pieces to keep; ``middle`` holds the clearances in between."""
         s0, s1, d0, d1 = self.where(keep)
@@ -39,9 +44,8 @@ class SampledMotion(MotionModel):
     """``MotionModel`` over anything that maps points to distances.
 
     The clearance must be 1-Lipschitz in the position, as ``Clearance`` says. Along a motion that
-    also turns, a piece's length is what the farthest point of the body can travel; its duration is
-    the distance that the origin travels divided by the speed, so a turn on the spot costs nothing
-    but must be free of collision.
+    also turns, a piece's length is what the farthest point of the body can travel, and that length
+    divided by the speed is its duration: no point of the body moves faster than the speed.
 
     Args:
         clearance: callable with points (n, 3) [m], or poses (n, 7) if it ``uses_orientation``.
@@ -76,7 +80,7 @@ class SampledMotion(MotionModel):
                 return False
             open_ = pieces.d0 + pieces.d1 <= (pieces.s1 - pieces.s0) * travel + CONTACT
             middle = np.full(len(open_), np.nan)
-            middle[open_] = self._along(0.5 * (pieces.s0 + pieces.s1)[open_])
+            middle[open_] = self._along(pieces.between[open_])
             pieces = pieces.halved(open_, middle)
         return True
 
@@ -84,12 +88,12 @@ class SampledMotion(MotionModel):
         """Cost of the motion from a to b."""
         if math.isinf(self._risk.exponent):
             return self._maximum()
-        duration = self._length / self._risk.speed
+        duration = self._travel / self._risk.speed
         return self._power(duration) + self._risk.weight * duration
 
     def heuristic(self) -> float:
         """Lower bound for the cost of any way from a to b."""
-        least = self._risk.weight * self._length / self._risk.speed
+        least = self._risk.weight * self._travel / self._risk.speed
         d = self._along(np.array([0.0, 1.0]))
         if d.min() <= CONTACT:
             return least
@@ -102,7 +106,7 @@ class SampledMotion(MotionModel):
         """Integral of f^p + tau^2 f'^2 by halving, see the compiled kernel of the same name."""
         risk, far, total = self._risk, self._risk.avoidance.d0, 0.0
         travel, pieces = self._whole()
-        if min(pieces.d0[0], pieces.d1[0]) <= CONTACT:
+        if min(pieces.d0.min(), pieces.d1.min()) <= CONTACT:
             return math.inf
         negligible = 1e-3 * far**-risk.exponent
         while len(pieces.s0):
@@ -111,13 +115,12 @@ class SampledMotion(MotionModel):
             if not len(pieces.s0):
                 break
             h, dt = (pieces.s1 - pieces.s0) * travel, (pieces.s1 - pieces.s0) * duration
-            middle = self._along(0.5 * (pieces.s0 + pieces.s1))
+            middle = self._along(pieces.between)
             if middle.min() <= CONTACT:
                 return math.inf
             once = self._shares(pieces.d0, pieces.d1, dt)
-            twice = self._shares(pieces.d0, middle, dt / 2) + self._shares(
-                middle, pieces.d1, dt / 2
-            )
+            twice = self._shares(pieces.d0, middle, dt / 2)
+            twice += self._shares(middle, pieces.d1, dt / 2)
             change, near = twice - once, np.minimum(np.minimum(pieces.d0, pieces.d1), middle)
             near = np.minimum(near, far)
             exact = np.abs(change) <= risk.tolerance * (twice + negligible * dt)
@@ -140,33 +143,35 @@ class SampledMotion(MotionModel):
         """Maximum of f along the motion, to the tolerance."""
         far = self._risk.avoidance.d0
         travel, pieces = self._whole()
-        least = min(pieces.d0[0], pieces.d1[0])
+        least = min(pieces.d0.min(), pieces.d1.min())
         while len(pieces.s0):
             if least <= CONTACT:
                 return math.inf
             h = (pieces.s1 - pieces.s0) * travel
-            lowest = min(least * (1.0 - self._risk.tolerance), far)
+            slack = self._risk.tolerance * max(least, NEAR * far)
+            lowest = min(max(least - slack, 0.5 * CONTACT), far)
             open_ = 0.5 * (pieces.d0 + pieces.d1 - h) < lowest
             middle = np.full(len(open_), np.inf)
             if open_.any():
-                middle[open_] = self._along(0.5 * (pieces.s0 + pieces.s1)[open_])
+                middle[open_] = self._along(pieces.between[open_])
             least = min(least, float(middle.min()))
             pieces = pieces.halved(open_, middle)
         return float(self._risk.avoidance(np.array([least]))[0])
 
     @property
-    def _length(self) -> float:
-        """Distance that the origin travels [m]."""
-        return float(np.linalg.norm(self.b[:3] - self.a[:3]))
-
-    def _whole(self) -> tuple[float, _Pieces]:
-        """What the farthest point of the body can travel [m], and the motion as one piece."""
-        travel = self._length
+    def _travel(self) -> float:
+        """What the farthest point of the body can travel from a to b [m]."""
+        travel = float(np.linalg.norm(self.b[:3] - self.a[:3]))
         if self._posed:
             cosine = min(abs(float(self.a[3:7] @ self.b[3:7])), 1.0)
             travel += self._reach * 2.0 * math.acos(cosine)
-        d = self._along(np.array([0.0, 1.0]))
-        return travel, _Pieces(np.zeros(1), np.ones(1), d[:1], d[1:])
+        return travel
+
+    def _whole(self) -> tuple[float, _Pieces]:
+        """What the farthest point of the body can travel [m], and the motion in two pieces."""
+        travel = self._travel
+        d = self._along(np.array([0.0, FIRST, 1.0]))
+        return travel, _Pieces(np.array([0.0, FIRST]), np.array([FIRST, 1.0]), d[:2], d[1:])
 
     def _along(self, s: Floats) -> Floats:
         """Clearances [m] at fractions s of the motion."""

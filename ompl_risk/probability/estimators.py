@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ompl_risk._kernels import ball
-from ompl_risk.clearance import TerrainClearance
+from ompl_risk.clearance import TerrainClearance, UnionClearance
 from ompl_risk.clearance.threads import in_chunks
 from ompl_risk.errors import ArgumentError
 from ompl_risk.probability.proportion import Proportion, clopper_pearson
@@ -54,8 +54,10 @@ class ColumnQuadrature(Estimator):
         P = 3 / (4 pi r^3) * integral over the disk of clip(h - (z - s), 0, 2 s)
         s^2 = r^2 - rho^2
 
-    with Gauss-Legendre nodes in rho^2 and equally spaced angles. The two halves of the angles are
-    two estimates; half their difference is the error that the bounds state.
+    with Gauss-Legendre nodes in rho^2 and equally spaced angles. The stated error is half the
+    difference between the two halves of the angles, plus what one column more or less would
+    change at the ball's depth in the obstacles, r - d: a peak can hide between the columns. So
+    the upper bound is 0 only where the obstacles are out of the ball's reach, for certain.
 
     Args:
         rings: number of radii.
@@ -69,9 +71,9 @@ class ColumnQuadrature(Estimator):
     spokes: int = 16
 
     def __post_init__(self) -> None:
-        if self.rings < 1:
-            raise ArgumentError("rings", self.rings, "at least 1")
-        if self.spokes < 4 or self.spokes % 2:
+        if not isinstance(self.rings, int) or self.rings < 1:
+            raise ArgumentError("rings", self.rings, "a whole number of at least 1")
+        if not isinstance(self.spokes, int) or self.spokes < 4 or self.spokes % 2:
             raise ArgumentError("spokes", self.spokes, "an even number of at least 4")
 
     def columns(self) -> Floats:
@@ -113,7 +115,8 @@ class ColumnQuadrature(Estimator):
             least=64,
         )
         p = np.clip(halves.mean(axis=1), 0.0, 1.0)
-        error = 0.5 * np.abs(halves[:, 0] - halves[:, 1])
+        depth = np.clip((radius - clearance(points)) / radius, 0.0, 2.0)
+        error = 0.5 * np.abs(halves[:, 0] - halves[:, 1]) + 0.5 * columns[:, 3].max() * depth
         return Estimate(
             p,
             np.clip(p - error, 0.0, 1.0),
@@ -151,8 +154,8 @@ class BallSampling(Estimator):
     confidence: float = 0.95
 
     def __post_init__(self) -> None:
-        if self.samples < 1:
-            raise ArgumentError("samples", self.samples, "at least 1")
+        if not isinstance(self.samples, int) or self.samples < 1:
+            raise ArgumentError("samples", self.samples, "a whole number of at least 1")
         if self.offsets not in ("independent", "shared"):
             raise ArgumentError("offsets", self.offsets, '"independent" or "shared"')
         if not 0.0 < self.confidence < 1.0:
@@ -195,13 +198,30 @@ def ball_points(n: int, rng: np.random.Generator) -> Floats:
     return directions * np.cbrt(rng.uniform(size=(n, 1)))
 
 
+def levelled(clearance: Any) -> Any:
+    """The clearance with the ground going on level beyond the map, where it else is -inf."""
+    if isinstance(clearance, UnionClearance) and not clearance.uses_orientation:
+        return UnionClearance([levelled(member) for member in clearance.members])
+    if not isinstance(clearance, TerrainClearance):
+        return clearance
+    xmin, xmax, ymin, ymax = clearance.terrain.extent
+
+    def level(points: Floats) -> Floats:
+        on_map = points.copy()
+        on_map[:, 0] = points[:, 0].clip(xmin, xmax)
+        on_map[:, 1] = points[:, 1].clip(ymin, ymax)
+        return clearance(on_map)
+
+    return level
+
+
 def _inside(clearance: Any, points: Floats) -> NDArray[np.bool_]:
     """Which points count as obstacle."""
     if isinstance(clearance, TerrainClearance) and clearance.radius == 0.0:
         found = np.empty(len(points), dtype=np.bool_)
         ball.in_ground(clearance.handle, points, found)
         return found
-    d = np.asarray(clearance(points), dtype=np.float64)
+    d = np.asarray(levelled(clearance)(points), dtype=np.float64)
     if d.shape != (len(points),) or np.isnan(d).any():
         raise ArgumentError(
             "obstacles(points)", d, f"distances without NaN of shape ({len(points)},)"

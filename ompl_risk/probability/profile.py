@@ -29,7 +29,8 @@ class CollisionProfile:
         t: times [s], shape (n,).
         p: probabilities, shape (n,).
         low, high: bounds, shape (n,). For sampling, the Clopper-Pearson interval of each single
-            state; for quadrature, the estimate plus and minus its estimated error.
+            state; for quadrature, the estimate plus and minus its estimated error (an upper bound
+            of 0 says that obstacles are out of reach).
         samples: points or columns for each state.
         confidence: of the intervals; ``None`` for quadrature, whose bounds are no such thing.
         radius: of the ball [m].
@@ -99,6 +100,10 @@ def collision_probability(
     Reference: Nair and Kobilarov, eqs. (2) and (9).
     """
     radius = positive("radius", radius)
+    if not isinstance(trajectory, Trajectory):
+        raise ArgumentError("trajectory", type(trajectory).__name__, "a Trajectory")
+    if estimator is not None and not isinstance(estimator, Estimator):
+        raise ArgumentError("estimator", estimator, "ColumnQuadrature() or BallSampling()")
     terrain = _as_clearance(obstacles, grow)
     if estimator is None:
         is_terrain = isinstance(terrain, TerrainClearance)

@@ -138,8 +138,17 @@ def assess(
         samples.f,
         values,
         attribution,
-        {} if profile is None else {norm.label: norm(profile.t, profile.p) for norm in norms},
+        {} if profile is None else {norm.label: _pc_norm(norm, profile) for norm in norms},
     )
+
+
+def _pc_norm(norm: Norm, profile: Profile) -> float:
+    """The norm of P_c(t), at equal steps if the norm needs them."""
+    t, p = np.asarray(profile.t), np.asarray(profile.p)
+    if norm.needs_uniform_times:
+        equal = np.linspace(t[0], t[-1], len(t))
+        t, p = equal, np.interp(equal, t, p)
+    return norm(t, p)
 
 
 def _norm(norm: Norm, suited: Samples, samples: Samples) -> float:

@@ -68,6 +68,10 @@ def rank(
         Nair & Kobilarov, sections II-B and III.
     """
     trajectories, norms = _distinct_trajectories(trajectories), _distinct_norms(norms)
+    if not callable(clearance):
+        raise ArgumentError("clearance", clearance, "callable with points, as TerrainClearance")
+    if not isinstance(avoidance, Avoidance):
+        raise ArgumentError("avoidance", avoidance, "an Avoidance, as InverseDistance(d0=100.0)")
     tolerance = real_number("duration_tolerance", duration_tolerance, "a number >= 0")
     if tolerance < 0:
         raise ArgumentError("duration_tolerance", duration_tolerance, "a number >= 0")
@@ -99,17 +103,25 @@ def rank(
 
 
 def _distinct_trajectories(trajectories: Iterable[Trajectory]) -> tuple[Trajectory, ...]:
+    if isinstance(trajectories, Trajectory):
+        raise ArgumentError("trajectories", trajectories, "a list of trajectories")
     trajectories = tuple(trajectories)
     if not trajectories:
         raise ArgumentError("trajectories", trajectories, "at least one trajectory")
     for trajectory in trajectories:
         if not isinstance(trajectory, Trajectory):
             raise ArgumentError("trajectories", trajectory, "objects of class Trajectory")
-    _refuse_repeated("trajectories", [t.name for t in trajectories], "names that differ")
+    _refuse_repeated(
+        "trajectories",
+        [t.name for t in trajectories],
+        "names that differ: Trajectory(..., name=...)",
+    )
     return trajectories
 
 
 def _distinct_norms(norms: Iterable[Norm]) -> tuple[Norm, ...]:
+    if isinstance(norms, Norm):
+        raise ArgumentError("norms", norms, "a list of norms")
     norms = tuple(norms)
     if not norms:
         raise ArgumentError("norms", norms, "at least one norm")
@@ -145,7 +157,13 @@ def _profiles(
         probability = tuple(probability)
         if len(probability) != len(names):
             raise ArgumentError("len(probability)", len(probability), f"{len(names)}: one each")
-        return dict(zip(names, probability, strict=True))
-    if set(probability) != set(names):
+        profiles = dict(zip(names, probability, strict=True))
+    elif set(probability) == set(names):
+        profiles = dict(probability)
+    else:
         raise ArgumentError("probability", sorted(probability), f"a profile for each of {names}")
-    return dict(probability)
+    for name, profile in profiles.items():
+        if not (hasattr(profile, "t") and hasattr(profile, "p")):
+            allowed = "a profile with arrays t and p, as from collision_probability"
+            raise ArgumentError(f"probability[{name!r}]", profile, allowed)
+    return profiles

@@ -6,6 +6,7 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
+from io import StringIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -38,6 +39,18 @@ class Ranking:
     assessments: tuple[Assessment, ...]
     norms: tuple[Norm, ...]
     duration_tolerance: float
+
+    def __repr__(self) -> str:
+        orders = "; ".join(f"{label}: {' '.join(names)}" for label, names in self.orders.items())
+        return f"Ranking({len(self.assessments)} trajectories, safest first by {orders})"
+
+    def __str__(self) -> str:
+        """The tables, as plain text."""
+        from rich.console import Console
+
+        console = Console(width=100, color_system=None, record=True, file=StringIO())
+        console.print(self)
+        return console.export_text().rstrip()
 
     def __getitem__(self, name: str) -> Assessment:
         """The assessment of the trajectory of that name."""

@@ -5,11 +5,12 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from ompl_risk.report.style import FAINT, INK, RISKIEST, SAFEST, SIZES, colour
+from ompl_risk.report.style import FAINT, INK, RISKIEST, SAFEST, SIZES, colour, dashes
 
 MOST_NAMES = 7
 """An order of more names than this does not fit below its column."""
@@ -53,8 +54,9 @@ def draw_norm_table(axes: Axes, table: NormTable) -> None:
     first = 0.16 if max(map(len, table.labels)) <= 4 else 0.3
     width = (1.0 - first) / len(table.columns)
     for i, label in enumerate(table.labels):
-        axes.add_patch(Rectangle((0.012, i + 2.3), 0.03, 0.4, color=colour(i)))
-        _cell(axes, 0.06, i + 2.5, label, weight="bold", align="left")
+        style: Any = dashes(i)
+        axes.plot([0.01, 0.05], [i + 2.5] * 2, color=colour(i), linestyle=style, linewidth=4)
+        _cell(axes, 0.07, i + 2.5, label, weight="bold", align="left")
     for k, column in enumerate(table.columns):
         _draw_column(axes, table, column, first + k * width, width)
     _rule(axes, 1.95, 1.2)

@@ -56,18 +56,20 @@ def draw_plan_view(
             solid_capstyle="round",
         )
     _draw_ends(axes, curves)
-    for i, (label, point) in enumerate(zip(labels, label_points(curves), strict=True)):
+    wide = any(len(label) > 2 for label in labels)
+    for i, (label, point) in enumerate(zip(labels, label_points(curves, wide), strict=True)):
         _draw_label(axes, label, point, colour(i))
     axes.set_xlabel("east [km]", fontsize=SIZES["text"])
     axes.set_ylabel("north [km]", fontsize=SIZES["text"])
     axes.tick_params(labelsize=SIZES["small"])
 
 
-def label_points(curves: Sequence[FloatArray]) -> list[FloatArray]:
+def label_points(curves: Sequence[FloatArray], wide: bool = False) -> list[FloatArray]:
     """Where to label each curve: where it is farthest from the others and from labels so far.
 
     Args:
         curves: points (n, 2), all in the same unit.
+        wide: whether labels are wider than high, so that they had better lie one below the other.
 
     Returns:
         A point (2,) on each curve.
@@ -79,7 +81,8 @@ def label_points(curves: Sequence[FloatArray]) -> list[FloatArray]:
         others = [other for k, other in enumerate(curves) if k != i]
         gap = _distance(inner, np.concatenate([ends, *others]))
         if points:
-            gap = np.minimum(gap, _distance(inner, np.array(points)))
+            shape = np.array([0.3 if wide else 1.0, 1.0])
+            gap = np.minimum(gap, _distance(inner * shape, np.array(points) * shape))
         points.append(inner[int(np.argmax(gap))])
     return points
 

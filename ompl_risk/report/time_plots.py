@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.patheffects import withStroke
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk.report.style import FAINT, INK, SIZES, colour, dashes
@@ -33,10 +34,16 @@ def draw_distance(axes: Axes, assessments: Sequence[Assessment], d0: float) -> N
             axes.plot(a.collision_time, 0.0, "X", color=colour(i), markersize=9, zorder=5)
     axes.axhline(d0, color=INK, linewidth=1.2, linestyle=(0, (4, 2)))
     axes.text(
-        0.99, d0, f"$d_0$ = {d0:g} m", transform=axes.get_yaxis_transform(),
-        ha="right", va="center", fontsize=SIZES["small"], color=INK,
-        bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.5},
-    )  # fmt: skip
+        0.99,
+        d0,
+        f"$d_0$ = {d0:g} m",
+        transform=axes.get_yaxis_transform(),
+        ha="right",
+        va="bottom",
+        fontsize=SIZES["small"],
+        color=INK,
+        path_effects=[withStroke(linewidth=3, foreground="white")],
+    )
     axes.set_ylim(low, top)
     _finish(axes, "Distance to obstacles $d(t)$ [m]", assessments)
 

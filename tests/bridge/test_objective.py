@@ -78,6 +78,18 @@ def test_maximum_costs_combine_by_their_maximum(make_setup, pass_clearance):
     assert objective.combineCosts(ob.Cost(2.0), ob.Cost(3.0)).value() == 3.0
 
 
+def test_a_subclass_with_a_maximum_combines_by_the_maximum_too(make_setup, pass_clearance):
+    class Mine(RiskObjective):
+        pass
+
+    si = make_setup().getSpaceInformation()
+    objective = Mine(si, pass_clearance, AVOIDANCE, Lp(math.inf), speed=SPEED)
+    assert isinstance(objective, Mine)
+    assert objective.combineCosts(ob.Cost(2.0), ob.Cost(3.0)).value() == 3.0
+    plain = Mine(si, pass_clearance, AVOIDANCE, Lp(1), speed=SPEED)
+    assert plain.combineCosts(ob.Cost(2.0), ob.Cost(3.0)).value() == 5.0
+
+
 def test_norm_agrees_with_the_ranking(make_setup, pass_clearance, after):
     setup = make_setup(risk(pass_clearance))
     path = solve(setup, after(300))
@@ -201,6 +213,17 @@ def test_other_spaces_are_refused_by_name(pass_clearance):
         with pytest.raises(ArgumentError, match="SE\\(3\\)") as error:
             risk(pass_clearance)(ob.SpaceInformation(space))
         assert name in str(error.value)
+
+
+def test_spaces_whose_motions_are_curves_are_refused(pass_clearance):
+    space = ob.OwenStateSpace(10.0, 0.5)
+    with pytest.raises(ArgumentError, match="OwenStateSpace"):
+        risk(pass_clearance)(ob.SpaceInformation(space))
+
+
+def test_what_cannot_be_called_is_no_clearance(pass_clearance):
+    with pytest.raises(ArgumentError, match="clearance ="):
+        risk(pass_clearance.terrain)(ob.SpaceInformation(ob.RealVectorStateSpace(3)))
 
 
 def test_a_mesh_body_needs_an_orientation():

@@ -55,7 +55,7 @@ def test_digits_beyond_what_ompl_prints_survive():
     assert Trajectory.from_path(path, speed=1.0).positions[1].tolist() == [math.pi, 2 / 7, 5]
 
 
-def test_se3_paths_keep_their_orientation():
+def se3_path(*steps):
     space = ob.SE3StateSpace()
     bounds = ob.RealVectorBounds(3)
     bounds.setLow(0.0)
@@ -63,15 +63,25 @@ def test_se3_paths_keep_their_orientation():
     space.setBounds(bounds)
     si = ob.SpaceInformation(space)
     path = og.PathGeometric(si)
-    for k, x in enumerate((0.0, 10.0, 10.0, 20.0)):
+    for x, angle in steps:
         state = si.allocState()
         state.setXYZ(x, 0.0, 5.0)
-        state.rotation().setAxisAngle(0.0, 0.0, 1.0, 0.3 * k)
+        state.rotation().setAxisAngle(0.0, 0.0, 1.0, angle)
         path.append(state)
+    return path
+
+
+def test_se3_paths_keep_their_orientation():
+    path = se3_path((0.0, 0.0), (10.0, 0.3), (10.0, 0.3), (20.0, 0.9))
     trajectory = Trajectory.from_path(path, speed=10.0)
-    assert trajectory.t == pytest.approx([0, 1, 2])  # the turn on the spot takes no time
+    assert trajectory.t == pytest.approx([0, 1, 2])
     angles = 2 * np.arctan2(trajectory.orientations[:, 2], trajectory.orientations[:, 3])
     assert angles == pytest.approx([0.0, 0.3, 0.9])
+
+
+def test_a_turn_on_the_spot_is_refused_rather_than_dropped():
+    with pytest.raises(ArgumentError, match="turn on the spot after state 1"):
+        Trajectory.from_path(se3_path((0.0, 0.0), (10.0, 0.3), (10.0, 0.6)), speed=10.0)
 
 
 def control_setup(checker=True):

@@ -1,6 +1,7 @@
 """MeshClearance and UnionClearance against closed forms."""
 
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -152,3 +153,23 @@ def test_union_of_a_posed_and_a_point_member_takes_poses():
     assert union.uses_orientation
     assert union.reach == rod.reach
     assert union(poses([[26, 20, 4], [30, 20, 2]])) == pytest.approx([3, 2])
+
+
+def test_every_piece_of_a_body_counts():
+    parts = trimesh.util.concatenate([box(), box((50, 0, 0))])
+    clearance = MeshClearance(box(size=(20, 20, 20)), body=parts)
+    d = clearance(poses([[0, 0, 0], [-50, 0, 0], [-200, 0, 0]]))
+    assert (d < 0).tolist() == [True, True, False]
+
+
+def test_meshes_and_unions_survive_pickling():
+    mesh = MeshClearance([box(), box((9, 0, 0))], radius=0.25)
+    rod = MeshClearance(box(), body=trimesh.creation.box((4, 0.2, 0.2)))
+    points = np.random.default_rng(5).uniform(-4, 12, (50, 3))
+    for clearance, queries in (
+        (mesh, points),
+        (rod, poses(points)),
+        (UnionClearance([mesh, mesh.of_point()]), points),
+    ):
+        copy = pickle.loads(pickle.dumps(clearance))
+        assert np.array_equal(copy(queries), clearance(queries))

@@ -211,3 +211,33 @@ def test_survives_pickling():
 
 def test_no_queries_give_no_distances():
     assert TerrainClearance(rough((3, 3), 0))(np.empty((0, 3))).shape == (0,)
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_the_corners_of_the_extent_are_inside_whatever_the_rounding(seed):
+    rng = np.random.default_rng(seed)
+    origin, spacing = rng.uniform(1e5, 6e6, 2).round(1), rng.uniform(1, 99, 2).round(1)
+    terrain = Terrain(np.zeros((7, 11)), spacing=tuple(spacing), origin=tuple(origin))
+    xmin, xmax, ymin, ymax = terrain.extent
+    corners = [[x, y, 9.0] for x in (xmin, xmax) for y in (ymin, ymax)]
+    assert TerrainClearance(terrain)(corners) == pytest.approx(9.0)
+
+
+def test_agrees_with_brute_force_over_extreme_cliffs():
+    """Slopes of 1e5: single precision anywhere in the bounds would show."""
+    terrain = rough((40, 40), 21, scale=1e3, spacing=(0.01, 0.01))
+    points = queries(terrain, 400, 22, -500.0, 500.0)
+    expected = brute_force(points, triangles(terrain))
+    d = np.abs(TerrainClearance(terrain)(points))
+    assert d == pytest.approx(expected, abs=1e-7)
+
+
+def test_another_radius_shares_the_search_structure():
+    clearance = TerrainClearance(rough((9, 9), 1), radius=0.5)
+    assert clearance.with_radius(2.0).field is clearance.field
+    assert clearance.of_point().field is clearance.field
+
+
+def test_what_is_no_terrain_is_named():
+    with pytest.raises(ArgumentError, match="terrain = 'jacksboro'"):
+        TerrainClearance("jacksboro")

@@ -245,3 +245,64 @@ def test_a_clearance_that_answers_wrongly_is_named():
     posed = MeshClearance(trimesh.creation.box(), body=trimesh.creation.box())
     with pytest.raises(ArgumentError, match="orientation"):
         SampledMotion(posed, Risk(speed=1.0), width=3)
+
+
+def test_subclasses_that_change_d_or_f_are_not_bypassed():
+    class WithTower(TerrainClearance):
+        def __call__(self, points, **options):
+            tower = np.hypot(points[:, 0] - 200, points[:, 1] - 200) - 20
+            return np.minimum(super().__call__(points, **options), tower)
+
+    class Steep(InverseDistance):
+        def __call__(self, d):
+            return 10 * super().__call__(d)
+
+    terrain = hills()
+    tower = WithTower(terrain)
+    ends = np.array([[100.0, 200.0, 300.0], [300.0, 200.0, 300.0]])
+    assert not ask(motion_model(tower, Risk(speed=1.0)), ends, "is_motion_free")
+    assert isinstance(tower.with_radius(1.0), WithTower)
+    low = np.array([[100.0, 50.0, 60.0], [120.0, 50.0, 60.0]])
+    plain, steep = (
+        ask(motion_model(TerrainClearance(terrain), Risk(f, Lp(1), speed=1.0)), low, "cost")
+        for f in (InverseDistance(200.0), Steep(200.0))
+    )
+    assert steep == pytest.approx(10 * plain, rel=1e-2)
+
+
+def test_regular_ground_does_not_keep_step_with_the_samples():
+    x = np.arange(1025) * 0.25
+    furrows = np.tile(0.25 * np.abs(np.arange(1025) % 2), (3, 1)).astype(float)
+    clearance = TerrainClearance(Terrain(furrows, spacing=(0.25, 0.25)))
+    ends = np.array([[10.0, 0.25, 0.6], [10.0 + 128.0, 0.25, 0.6]])
+    d = dense(clearance, ends, 200_001)
+    t = np.linspace(0, 128.0 / 20.0, len(d))
+    expected = Sobolev(1).power(t, InverseDistance(D0)(d))
+    motion = model(TerrainMotion, clearance, duration_weight=0.0)
+    assert x[-1] > 138.0
+    assert ask(motion, ends, "cost") == pytest.approx(expected, rel=3e-2)
+
+
+def test_a_turning_body_takes_time_and_the_heuristic_stays_below():
+    wall = trimesh.creation.box((1, 40, 40))
+    wall.apply_translation((9, 0, 0))
+    clearance = MeshClearance(wall, body=trimesh.creation.box((0.2, 10, 0.2)))
+    motion = SampledMotion(clearance, Risk(InverseDistance(20.0), speed=2.0), width=7)
+    rng = np.random.default_rng(0)
+    for shift in (0.0, 1e-3, 1.0):
+        angle = rng.uniform(0.5, 1.5)
+        motion.a[:] = [0, 0, 0, 0, 0, 0, 1]
+        motion.b[:] = [shift, 0, 0, 0, 0, math.sin(angle / 2), math.cos(angle / 2)]
+        assert 0.0 < motion.heuristic() <= 1.01 * motion.cost() < math.inf
+    at_once = motion.cost()
+    motion.b[0] += 1e-6
+    assert motion.cost() == pytest.approx(at_once, rel=1e-3)
+
+
+def test_the_maximum_close_to_flat_ground_is_found_and_collisions_are_not_missed():
+    clearance = TerrainClearance(Terrain(np.zeros((3, 3)), spacing=(500.0, 500.0)))
+    motion = model(TerrainMotion, clearance, Lp(math.inf))
+    level = np.array([[1.0, 1.0, 0.05], [400.0, 1.0, 0.05]])
+    assert ask(motion, level, "cost") == pytest.approx(1 / 0.05 - 1 / D0)
+    dipping = np.array([[1.0, 1.0, 0.05], [400.0, 1.0, -0.001]])
+    assert ask(motion, dipping, "cost") == math.inf

@@ -181,3 +181,50 @@ def test_bad_input_is_named(call, names):
     with pytest.raises(ArgumentError) as error:
         call(column())
     assert names in str(error.value)
+
+
+def test_the_bounds_of_the_quadrature_hold_on_real_terrain():
+    terrain = terrains.load("jacksboro")
+    rng = np.random.default_rng(9)
+    x, y = rng.uniform(3e3, 27e3, 600), rng.uniform(3e3, 28e3, 600)
+    z = terrain.height(x, y) + rng.uniform(5, 130, 600)
+    path = Trajectory(np.arange(600.0), np.column_stack([x, y, z]))
+    coarse = collision_probability(path, terrain, 100.0, max_step=None)
+    fine = collision_probability(
+        path, terrain, 100.0, estimator=ColumnQuadrature(48, 96), max_step=None
+    )
+    held = (coarse.low - 1e-6 <= fine.p) & (fine.p <= coarse.high + 1e-6)
+    assert held.mean() > 0.98
+    assert np.mean(coarse.high - coarse.low) < 0.02
+
+
+def test_a_peak_between_the_columns_is_not_declared_impossible():
+    heights = np.zeros((61, 61))
+    heights[30, 36] = 15.0
+    spike = terrains.Terrain(heights, spacing=(2.0, 2.0))
+    path = Trajectory([0.0, 1.0], [[60.0, 60.0, 21.0], [60.1, 60.0, 21.0]])
+    truth = collision_probability(path, spike, R, estimator=BallSampling(400_000), max_step=None)
+    profile = collision_probability(path, spike, R, max_step=None)
+    assert truth.p.min() > 0.0
+    assert (profile.high >= truth.p).all()
+
+
+def test_out_of_reach_the_upper_bound_is_zero():
+    path = Trajectory([0.0, 1.0], [[60, 60, R + 1], [61, 60, R + 2]])
+    assert collision_probability(path, plane(), R).high.max() == 0.0
+
+
+@pytest.mark.parametrize("grow", [False, True])
+def test_beyond_the_edge_grown_and_united_ground_goes_on_level_too(grow):
+    path = Trajectory([0.0, 1.0], [[0, 0, 5], [120, 60, 5]])
+    clearance = TerrainClearance(plane(), radius=4.0)
+    expected = cap(np.array([1.0, 1.0])) if grow else cap(np.array([5.0, 5.0]))
+    for obstacles, estimator in (
+        (clearance, ColumnQuadrature(64, 64)),
+        (clearance, BallSampling(20_000)),
+        (UnionClearance([clearance]), BallSampling(20_000)),
+    ):
+        profile = collision_probability(
+            path, obstacles, R, estimator=estimator, grow=grow, max_step=None
+        )
+        assert profile.p == pytest.approx(expected, abs=0.015)
