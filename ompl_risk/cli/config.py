@@ -21,14 +21,18 @@ def read_config(path: Path) -> dict[str, Any]:
     """The keys of a TOML file; what they mean is checked with the options of the command.
 
     Raises:
-        FileError: the file cannot be read, or is no TOML.
+        FileError: the file cannot be read, is no TOML, or has tables.
     """
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        values = tomllib.loads(path.read_text(encoding="utf-8"))
     except OSError as error:
         raise FileError(path, error.strerror or str(error)) from None
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
         raise FileError(path, f"is no TOML: {error}") from None
+    for key, value in values.items():
+        if isinstance(value, dict):  # the parser would skip one that is called like a command
+            raise FileError(path, f"[{key}] is a table", "options stand at the top, as key = value")
+    return values
 
 
 def to_toml(values: Mapping[str, Any], comment: str) -> str:

@@ -2,7 +2,6 @@
 
 import struct
 
-import matplotlib
 import numpy as np
 import pytest
 
@@ -40,11 +39,11 @@ def test_it_is_1600_pixels_wide_and_written(three, hill, tmp_path):
     assert 800 < height < 1400
 
 
-def test_no_global_state_of_matplotlib_is_touched(drawn):
-    from matplotlib import _pylab_helpers
+def test_no_figure_is_left_with_pyplot(drawn):
+    from matplotlib import pyplot
 
-    assert not _pylab_helpers.Gcf.figs
-    assert matplotlib.rcParams == matplotlib.rcParamsDefault or True
+    assert drawn.axes
+    assert pyplot.get_fignums() == []
 
 
 def test_the_plots_over_time_show_d_f_and_pc(drawn, three):
