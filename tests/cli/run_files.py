@@ -6,7 +6,7 @@ import numpy as np
 
 QUICK = (
     "--start", "200", "1000", "--goal", "2800", "1000", "--ceiling", "200", "--min-clearance", "10",
-    "--margin", "0.3", "--d0", "80", "--uncertainty", "80", "--effort", "0.1", "--workers", "1",
+    "--margin", "0.3", "--d0", "80", "--uncertainty", "70", "--effort", "0.1", "--workers", "1",
     "--searches", "length", "L1@20", "H1@20", "H1@40", "--count", "3",
     "--duration-tolerance", "0.3",
 )  # fmt: skip

@@ -13,7 +13,15 @@ import numpy as np
 import pytest
 from run_files import QUICK, read_columns, read_ranking
 
-from ompl_risk import InverseDistance, Lp, Sobolev, TerrainClearance, frechet_distance
+from ompl_risk import (
+    InverseDistance,
+    Lp,
+    Sobolev,
+    TerrainClearance,
+    Trajectory,
+    collision_probability,
+    frechet_distance,
+)
 from ompl_risk.cli import main
 from ompl_risk.planners import Candidate, Length, Status, Task
 
@@ -51,6 +59,8 @@ def test_the_columns_follow_from_the_positions(planned, wall):
         points = np.column_stack([c["x"], c["y"], c["z"]])
         np.testing.assert_allclose(c["d"], clearance(points), rtol=1e-12)
         np.testing.assert_allclose(c["f"], avoidance(c["d"]), rtol=1e-12)
+        profile = collision_probability(Trajectory(c["t"], points), wall, 70.0, max_step=None)
+        np.testing.assert_allclose(c["pc"], profile.p, rtol=1e-9, atol=1e-15)
         speeds = np.linalg.norm(np.diff(points, axis=0), axis=1) / np.diff(c["t"])
         np.testing.assert_allclose(speeds, 30.0, rtol=1e-6)
         np.testing.assert_allclose(points[0], [200, 1000, wall.height(200, 1000) + 60])

@@ -36,7 +36,7 @@ def test_files_of_every_kind_are_ranked(wall, wall_file, files, tmp_path, capsys
 def test_planned_paths_rank_as_they_did(planned, wall_file, tmp_path):
     paths = [str(path) for path in sorted((planned / "trajectories").iterdir())]
     out = tmp_path / "out"
-    judged = ["--d0", "80", "--uncertainty", "80", "--duration-tolerance", "0.3"]
+    judged = ["--d0", "80", "--uncertainty", "70", "--duration-tolerance", "0.3"]
     assert main(["rank", wall_file, *reversed(paths), *judged, "--output", str(out)]) == 0
     assert read_ranking(out) == read_ranking(planned)
 

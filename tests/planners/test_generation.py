@@ -8,10 +8,12 @@ import pytest
 
 from ompl_risk.errors import ArgumentError
 from ompl_risk.planners import (
+    Candidate,
     Length,
     Status,
     Task,
     candidates,
+    generation,
     low_level_flight,
     parse_criterion,
     solve_task,
@@ -114,6 +116,20 @@ def test_workers_give_what_this_process_gives_and_survive_deaths(problem):
     there = [c for c in found if c.solved]
     for a, b in zip(here, there, strict=True):
         np.testing.assert_array_equal(a.positions, b.positions)
+
+
+def test_candidates_are_in_the_order_of_the_tasks_not_of_arrival(monkeypatch):
+    tasks = [task("length", seed) for seed in (1, 2, 3)]
+
+    def latest_first(problem, tasks, workers):
+        for index in (2, 0, 1):
+            yield index, Candidate(tasks[index], Status.NO_PATH)
+
+    monkeypatch.setattr(generation, "_elsewhere", latest_first)
+    arrived = []
+    found = candidates(None, tasks, workers=2, on_done=arrived.append)
+    assert [c.task.seed for c in found] == [1, 2, 3]
+    assert [c.task.seed for c in arrived] == [3, 1, 2]
 
 
 def test_what_was_found_before_an_interruption_has_been_handed_over(problem):
