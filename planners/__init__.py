@@ -1,5 +1,6 @@
 """Candidate paths from OMPL's planners: problems, tasks, worker processes, selection."""
 
+from ompl_risk.norms.naming import parse_norm as parse_norm
 from ompl_risk.planners.criteria import Criterion as Criterion
 from ompl_risk.planners.criteria import Length as Length
 from ompl_risk.planners.criteria import WeightedRisk as WeightedRisk
@@ -7,7 +8,6 @@ from ompl_risk.planners.criteria import parse_criterion as parse_criterion
 from ompl_risk.planners.generation import candidates as candidates
 from ompl_risk.planners.low_level import low_level_flight as low_level_flight
 from ompl_risk.planners.menu import menu as menu
-from ompl_risk.planners.naming import parse_norm as parse_norm
 from ompl_risk.planners.problem import Problem as Problem
 from ompl_risk.planners.selection import Selection as Selection
 from ompl_risk.planners.selection import select as select

@@ -10,7 +10,7 @@ from ompl_risk._arrays import positive
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion import Risk
 from ompl_risk.norms import Norm
-from ompl_risk.planners.naming import norm_name, parse_norm
+from ompl_risk.norms.naming import norm_name, parse_norm
 
 if TYPE_CHECKING:
     from ompl_risk.planners.problem import Problem
