@@ -1,6 +1,5 @@
 """Candidate paths from OMPL's planners: problems, tasks, worker processes, selection."""
 
-from ompl_risk.norms.naming import parse_norm as parse_norm
 from ompl_risk.planners.criteria import Criterion as Criterion
 from ompl_risk.planners.criteria import Length as Length
 from ompl_risk.planners.criteria import WeightedRisk as WeightedRisk

@@ -12,7 +12,7 @@ from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.base import as_length
 from ompl_risk.cli.settings import PLACES, JudgeSettings, PlanSettings
 from ompl_risk.errors import ArgumentError
-from ompl_risk.norms import Norm
+from ompl_risk.norms import Norm, parse_norm
 from ompl_risk.terrains.catalogue import PARAMETRIC
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def scene_of(terrain: str, settings: JudgeSettings) -> Scene:
     tolerance = settings.duration_tolerance
     if not 0.0 <= tolerance < float("inf"):
         raise ArgumentError("duration_tolerance", tolerance, "a finite number of at least 0")
-    norms = tuple(planners.parse_norm(name, argument="norms") for name in settings.norms)
+    norms = tuple(parse_norm(name, argument="norms") for name in settings.norms)
     labels = [norm.label for norm in norms]
     if not labels or len(set(labels)) < len(labels):
         raise ArgumentError("norms", list(settings.norms), "at least one, and each only once")

@@ -6,7 +6,9 @@ import math
 import re
 
 from ompl_risk.errors import ArgumentError
-from ompl_risk.norms import Lp, Norm, Sobolev
+from ompl_risk.norms.base import Norm
+from ompl_risk.norms.lp import Lp
+from ompl_risk.norms.sobolev import Sobolev
 
 ALLOWED = '"L1", "L2" or any "Lp" with p >= 1, "Linf", "H1", or "H1(0.5)" with a time scale [s]'
 _LP = re.compile(r"L(\d+(?:\.\d+)?)", re.IGNORECASE)

@@ -7,9 +7,9 @@ import pytest
 from ompl import base as ob
 
 from ompl_risk.errors import ArgumentError
-from ompl_risk.norms import Lp, Sobolev
+from ompl_risk.norms import Lp, Sobolev, parse_norm
 from ompl_risk.norms.naming import norm_name
-from ompl_risk.planners import Length, WeightedRisk, parse_criterion, parse_norm
+from ompl_risk.planners import Length, WeightedRisk, parse_criterion
 
 NAMES = {
     "L1": Lp(1),
