@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import contextlib
 import hashlib
+import json
+import re
 from pathlib import Path
 from typing import Any
 
@@ -11,23 +13,43 @@ import numba
 
 
 def _drop_stale_cache(folder: Path) -> None:
-    """Delete compiled kernels if any kernel source has changed since they were compiled.
+    """Delete compiled kernels whose source, or that of a kernel they call, has changed since.
 
     Numba looks only at the file of the outermost function, so a kernel that calls a changed
     kernel in another file would go on running the old code.
     """
-    digest = hashlib.sha256(numba.__version__.encode())
-    for source in sorted(folder.glob("*.py")):
-        digest.update(source.read_bytes())
     cache = folder / "__pycache__"
-    stamp = cache / "kernels.sha256"
-    if stamp.exists() and stamp.read_text() == digest.hexdigest():
+    stamp = cache / "kernels.json"
+    present, before = _digests(folder), {}
+    with contextlib.suppress(OSError, ValueError):
+        before = json.loads(stamp.read_text())
+    changed = {module for module, digest in present.items() if before.get(module) != digest}
+    if not changed:
         return
     with contextlib.suppress(OSError):  # a read-only installation keeps its cache elsewhere
         cache.mkdir(exist_ok=True)
         for compiled in [*cache.glob("*.nbi"), *cache.glob("*.nbc")]:
-            compiled.unlink(missing_ok=True)
-        stamp.write_text(digest.hexdigest())
+            if compiled.name.split(".")[0] in changed:
+                compiled.unlink(missing_ok=True)
+        stamp.write_text(json.dumps(present))
+
+
+def _digests(folder: Path) -> dict[str, str]:
+    """For each module a digest of its source and of all kernel modules that it builds on."""
+    sources = {path.stem: path.read_text() for path in sorted(folder.glob("*.py"))}
+    uses = {
+        module: {name for name in sources if re.search(rf"\b_kernels\b.*\b{name}\b", source)}
+        for module, source in sources.items()
+    }
+    found = {}
+    for module in sources:
+        needed, new = {module}, {module}
+        while new:
+            new = set().union(*(uses[name] for name in new)) - needed
+            needed |= new
+        whole = [numba.__version__, *(sources[name] for name in sorted(needed))]
+        found[module] = hashlib.sha256("\0".join(whole).encode()).hexdigest()
+    return found
 
 
 _drop_stale_cache(Path(__file__).parent)

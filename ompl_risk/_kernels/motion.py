@@ -104,11 +104,11 @@ def is_free(handle):
 @entry
 def is_motion_free(handle):
     """Whether every state of the straight motion from a to b is free, for certain."""
-    return _is_free_between(opened_motion(handle))
+    return is_free_between(opened_motion(handle))
 
 
 @kernel
-def _is_free_between(motion):
+def is_free_between(motion):
     """March along the motion by the clearance, which nothing can be nearer than."""
     a, b = motion.a, motion.b
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
@@ -150,7 +150,12 @@ def motion_cost(handle):
 
     The risk is the p-th power of the norm, or for p = inf the maximum of f.
     """
-    motion = opened_motion(handle)
+    return cost_between(opened_motion(handle))
+
+
+@kernel
+def cost_between(motion):
+    """See ``motion_cost``."""
     a, b, given = motion.a, motion.b, motion.given
     length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
     if math.isinf(given[POWER]):
@@ -271,10 +276,17 @@ def heuristic(handle):
     """
     motion = opened_motion(handle)
     a, b, given = motion.a, motion.b, motion.given
-    speed, far, p, tau = given[SPEED], given[FAR], given[POWER], given[TAU]
+    far = given[FAR]
     length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
     d0 = _clearance(motion, far, a[0], a[1], a[2])
     d1 = _clearance(motion, far, b[0], b[1], b[2])
+    return bound_between(length, d0, d1, given)
+
+
+@kernel
+def bound_between(length, d0, d1, given):
+    """The same from the length of the motion and the clearances at its ends [m]."""
+    speed, far, p, tau = given[SPEED], given[FAR], given[POWER], given[TAU]
     least = given[WEIGHT] * length / speed
     if d0 <= CONTACT or d1 <= CONTACT:
         return least

@@ -25,10 +25,14 @@ class ClearanceMotionValidator(ob.MotionValidator):
     Raises:
         ArgumentError: a state space of another kind, or one without the orientation that the
             clearance needs.
+
+    Attributes:
+        obstacles: the clearance.
     """
 
     def __init__(self, si: ob.SpaceInformation, clearance: Any) -> None:
         super().__init__(si)
+        self.obstacles = clearance
         reader = StateReader(si.getStateSpace())
         self._model = motion_model(clearance, Risk(speed=1.0), reader.width)
         self._read_a, self._read_b = reader.into(self._model.a), reader.into(self._model.b)

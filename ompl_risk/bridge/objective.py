@@ -50,6 +50,10 @@ class RiskObjective(ob.OptimizationObjective):
         ArgumentError: a value out of range, a norm that does not add up along a path, a state space
             of another kind.
 
+    Attributes:
+        clearance: the clearance.
+        risk: how risk is counted.
+
     Example:
         >>> import numpy as np
         >>> from ompl import base as ob
@@ -92,7 +96,7 @@ class RiskObjective(ob.OptimizationObjective):
             duration_weight=duration_weight,
             tolerance=tolerance,
         )
-        self._clearance, self._reader = clearance, StateReader(si.getStateSpace())
+        self.clearance, self._reader = clearance, StateReader(si.getStateSpace())
         reader = self._reader
         self._model = motion_model(clearance, self.risk, reader.width)
         self._read_a, self._read_b = reader.into(self._model.a), reader.into(self._model.b)
@@ -151,7 +155,7 @@ class RiskObjective(ob.OptimizationObjective):
         if path.getStateCount() == 0:
             raise ArgumentError("path", "no states", "a path with at least one state")
         pure = replace(self.risk, duration_weight=0.0, tolerance=min(1e-3, self.risk.tolerance))
-        model = motion_model(self._clearance, pure, self._reader.width)
+        model = motion_model(self.clearance, pure, self._reader.width)
         read_a, read_b = self._reader.into(model.a), self._reader.into(model.b)
         states, powers = path.getStates(), []
         for first, second in pairwise(states) if len(states) > 1 else [(states[0], states[0])]:

@@ -25,10 +25,14 @@ class ClearanceValidityChecker(ob.StateValidityChecker):
     Raises:
         ArgumentError: a state space of another kind, or one without the orientation that the
             clearance needs.
+
+    Attributes:
+        obstacles: the clearance.
     """
 
     def __init__(self, si: ob.SpaceInformation, clearance: Any) -> None:
         super().__init__(si)
+        self.obstacles = clearance
         space: Any = si.getStateSpace()
         reader = StateReader(space)
         self._model = motion_model(clearance, Risk(speed=1.0), reader.width)

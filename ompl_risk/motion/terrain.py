@@ -2,11 +2,35 @@
 
 from __future__ import annotations
 
-import numpy as np
+from typing import Any
 
-from ompl_risk._kernels import motion, nearest
+import numpy as np
+from numpy.typing import NDArray
+
+from ompl_risk._arrays import FloatArray
+from ompl_risk._kernels import motion, motions, nearest
 from ompl_risk.clearance import TerrainClearance
+from ompl_risk.clearance.threads import in_chunks, thread_count
 from ompl_risk.motion.base import MotionModel, Risk
+from ompl_risk.motion.batch import MotionBatch
+
+LEAST = 512
+"""Motions that are worth a thread."""
+
+
+def _given(clearance: TerrainClearance, risk: Risk) -> FloatArray:
+    """The parameters of the kernels, in their order."""
+    return np.array(
+        [
+            clearance.radius,
+            risk.speed,
+            risk.avoidance.d0,
+            risk.exponent,
+            risk.time_scale,
+            risk.tolerance,
+            risk.weight,
+        ]
+    )
 
 
 class TerrainMotion(MotionModel):
@@ -21,17 +45,7 @@ class TerrainMotion(MotionModel):
     def __init__(self, clearance: TerrainClearance, risk: Risk, width: int = 3) -> None:
         self.a, self.b = np.zeros(width), np.zeros(width)
         self._clearance = clearance  # keeps the arrays behind the handle alive
-        self._given = np.array(
-            [
-                clearance.radius,
-                risk.speed,
-                risk.avoidance.d0,
-                risk.exponent,
-                risk.time_scale,
-                risk.tolerance,
-                risk.weight,
-            ]
-        )
+        self._given = _given(clearance, risk)
         self._work = (*nearest.workspace(), np.empty((motion.DEPTH, 2)))
         buffers = (*self._work, self.a, self.b, self._given)
         self._handle = np.concatenate(
@@ -57,3 +71,60 @@ class TerrainMotion(MotionModel):
     def heuristic(self) -> float:
         """Lower bound for the cost of any way from a to b."""
         return motion.heuristic(self._handle)
+
+
+class TerrainBatch(MotionBatch):
+    """``MotionBatch`` over a ``TerrainClearance``, with ``InverseDistance``, in several threads.
+
+    Args:
+        clearance: the terrain and the vehicle's radius.
+        risk: how risk is counted.
+        threads: at most so many; ``None`` uses all processors.
+    """
+
+    width = 3
+    compiled = True
+
+    def __init__(
+        self, clearance: TerrainClearance, risk: Risk, *, threads: int | None = None
+    ) -> None:
+        self._clearance, self._risk = clearance, risk
+        self._given = _given(clearance, risk)
+        self._threads = thread_count(threads)
+
+    def clearances(self, states: FloatArray) -> FloatArray:
+        """Clearances d [m], shape (n,)."""
+        return self._clearance(states)
+
+    def are_free(self, a: FloatArray, b: FloatArray) -> NDArray[np.bool_]:
+        """Whether every state from a[k] to b[k] is free, shape (n,)."""
+        free = np.empty(len(a), dtype=np.bool_)
+        self._spread(motions.are_motions_free, a, b, free)
+        return free
+
+    def costs(self, a: FloatArray, b: FloatArray) -> FloatArray:
+        """Costs of the motions from a[k] to b[k], inf in collision, shape (n,)."""
+        costs = np.empty(len(a))
+        self._spread(motions.motion_costs, a, b, costs)
+        return costs
+
+    def durations(self, a: FloatArray, b: FloatArray) -> FloatArray:
+        """Durations [s], shape (n,)."""
+        return np.linalg.norm(b - a, axis=1) / self._risk.speed
+
+    def heuristics(
+        self, a: FloatArray, b: FloatArray, d_a: FloatArray, d_b: FloatArray
+    ) -> FloatArray:
+        """Lower bounds for the cost of any way from a[k] to b[k]."""
+        bounds = np.empty(len(a))
+        motions.heuristics(a, b, d_a, d_b, self._given, bounds)
+        return bounds
+
+    def _spread(self, kernel: Any, a: FloatArray, b: FloatArray, out: NDArray[Any]) -> None:
+        """Run a kernel over chunks of the motions."""
+        a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
+
+        def work(i: int, j: int) -> None:
+            kernel(self._clearance.handle, a[i:j], b[i:j], self._given, out[i:j])
+
+        in_chunks(work, len(a), self._threads, least=LEAST)

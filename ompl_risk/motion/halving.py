@@ -1,0 +1,201 @@
+"""Collision checks and risks of many motions by halving them, in steps that all take together.
+
+All rest on one fact: d changes along a motion by at most the distance travelled. Between two
+samples h apart with clearances d0 and d1 it therefore stays above ``(d0 + d1 - h) / 2``. The
+compiled kernels decide likewise, a motion at a time.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ompl_risk._arrays import FloatArray
+from ompl_risk._kernels.motion import BLIND, COARSE, CONTACT, FINE, FIRST, NEAR
+from ompl_risk.motion.base import Risk
+from ompl_risk.motion.lines import BLOCK, Lines
+from ompl_risk.norms.lp import mean_power
+
+SAMPLES = np.array([0.0, FIRST, 1.0])
+"""Where motions are sampled before the halving begins."""
+
+
+class Pieces(NamedTuple):
+    """Pieces of motions.
+
+    Attributes:
+        k: which motion they belong to.
+        s0, s1: their ends, as fractions of the motion.
+        d0, d1: clearances there [m].
+    """
+
+    k: NDArray[np.intp]
+    s0: FloatArray
+    s1: FloatArray
+    d0: FloatArray
+    d1: FloatArray
+
+    def where(self, keep: NDArray[np.bool_] | slice) -> Pieces:
+        """Some of them."""
+        k, s0, s1, d0, d1 = self
+        return Pieces(k[keep], s0[keep], s1[keep], d0[keep], d1[keep])
+
+    def lengths(self, lines: Lines) -> FloatArray:
+        """Distances travelled on them [m]."""
+        return (self.s1 - self.s0) * lines.travel[self.k]
+
+    @property
+    def middle(self) -> FloatArray:
+        """Fractions of the motion in their middles."""
+        return 0.5 * (self.s0 + self.s1)
+
+    def halved(self, d: FloatArray) -> Pieces:
+        """Both halves of all; ``d`` holds the clearances in the middles."""
+        s, both = self.middle, np.concatenate
+        return Pieces(
+            both((self.k, self.k)),
+            both((self.s0, s)),
+            both((s, self.s1)),
+            both((self.d0, d)),
+            both((d, self.d1)),
+        )
+
+
+def are_free(lines: Lines) -> NDArray[np.bool_]:
+    """Whether every state of the motions is free, for certain; shape (n,)."""
+    least, pieces = _begun(lines)
+    free = least > CONTACT
+
+    def step(pieces: Pieces) -> Pieces:
+        near = pieces.d0 + pieces.d1 <= pieces.lengths(lines) + CONTACT
+        pieces = pieces.where(near & free[pieces.k])
+        if not len(pieces.k):
+            return pieces
+        d = lines.clearances(pieces.k, pieces.middle)
+        free[pieces.k[d <= CONTACT]] = False
+        return pieces.halved(d)
+
+    _refine(pieces, step)
+    return free
+
+
+def maxima(lines: Lines, risk: Risk) -> FloatArray:
+    """Maxima of f along the motions, to the tolerance; inf in collision, shape (n,)."""
+    far, tolerance = risk.avoidance.d0, risk.tolerance
+    least, pieces = _begun(lines)
+
+    def step(pieces: Pieces) -> Pieces:
+        found = least[pieces.k]
+        enough = np.minimum((1.0 - tolerance) * found, found - tolerance * NEAR * far)
+        enough = np.minimum(np.maximum(enough, 0.5 * CONTACT), far)
+        lowest = 0.5 * (pieces.d0 + pieces.d1 - pieces.lengths(lines))
+        pieces = pieces.where((lowest < enough) & (found > CONTACT))
+        if not len(pieces.k):
+            return pieces
+        d = lines.clearances(pieces.k, pieces.middle)
+        np.minimum.at(least, pieces.k, d)
+        return pieces.halved(d)
+
+    _refine(pieces, step)
+    least[least <= CONTACT] = 0.0
+    return risk.avoidance(least)
+
+
+def powers(lines: Lines, risk: Risk) -> FloatArray:
+    """Integrals of f^p + tau^2 f'^2 along the motions; inf in collision, shape (n,).
+
+    A piece is accepted once halving it changes its share by less than the tolerance; the
+    difference also extrapolates it. Ripples of f that are short against the clearance can be
+    missed, not so collisions.
+    """
+    far, n = risk.avoidance.d0, len(lines)
+    least, pieces = _begun(lines)
+    total = np.where(least > CONTACT, 0.0, math.inf)
+
+    def step(pieces: Pieces) -> Pieces:
+        nonlocal total
+        h = pieces.lengths(lines)
+        near = (pieces.d0 + pieces.d1 - h < 2.0 * far) & (total[pieces.k] < math.inf)
+        pieces, h = pieces.where(near), h[near]
+        if not len(pieces.k):
+            return pieces
+        d = lines.clearances(pieces.k, pieces.middle)
+        if d.min() <= CONTACT:
+            total[pieces.k[d <= CONTACT]] = math.inf
+            flown = total[pieces.k] < math.inf
+            pieces, h, d = pieces.where(flown), h[flown], d[flown]
+        done, shares = _settled(pieces, h, d, risk)
+        total += np.bincount(pieces.k[done], shares[done], minlength=n)
+        return pieces.where(~done).halved(d[~done])
+
+    _refine(pieces, step)
+    return total
+
+
+def _settled(
+    pieces: Pieces, h: FloatArray, d: FloatArray, risk: Risk
+) -> tuple[NDArray[np.bool_], FloatArray]:
+    """Which pieces need not be halved again, and the shares of all.
+
+    Args:
+        pieces: the pieces.
+        h: their lengths [m].
+        d: clearances in their middles [m].
+        risk: how risk is counted.
+    """
+    near = np.minimum(np.minimum(pieces.d0, pieces.d1), np.minimum(d, risk.avoidance.d0))
+    f0, f, f1 = risk.avoidance(np.stack([pieces.d0, d, pieces.d1]))
+    dt = h / risk.speed
+    once = _integrals(f0, f1, dt, risk)
+    twice = _integrals(f0, f, 0.5 * dt, risk) + _integrals(f, f1, 0.5 * dt, risk)
+    change, negligible = twice - once, 1e-3 * risk.avoidance.d0**-risk.exponent
+    exact = np.abs(change) <= risk.tolerance * (twice + negligible * dt)
+    exact &= (twice > 0.0) | (h <= BLIND * near)
+    done = (h <= COARSE * near) & (exact | (h <= FINE * risk.tolerance * near))
+    return done, np.maximum(twice + change / 3.0, 0.0)
+
+
+def _integrals(f0: FloatArray, f1: FloatArray, dt: FloatArray, risk: Risk) -> FloatArray:
+    """Integrals of f^p + tau^2 f'^2 over pieces on which f is linear."""
+    p, tau = risk.exponent, risk.time_scale
+    if p == 2.0:
+        integrals = dt * (f0 * f0 + f0 * f1 + f1 * f1) / 3.0
+    else:
+        integrals = 0.5 * dt * (f0 + f1) if p == 1.0 else dt * mean_power(f0, f1, p)
+    if tau > 0.0:
+        rise = tau * (f1 - f0)
+        integrals += np.divide(rise * rise, dt, where=dt > 0.0, out=np.zeros_like(dt))
+    return integrals
+
+
+def _begun(lines: Lines) -> tuple[FloatArray, Pieces]:
+    """The least clearances found [m], shape (n,), and the motions in two pieces each.
+
+    A piece that has an end in contact may be among them.
+    """
+    n = len(lines)
+    k, at = np.concatenate((np.arange(n),) * 3), SAMPLES.repeat(n)
+    d = lines.clearances(k, at)
+    pieces = Pieces(k[n:], at[: 2 * n], at[n:], d[: 2 * n], d[n:])
+    return d.reshape(3, n).min(axis=0), pieces
+
+
+def _refine(pieces: Pieces, step: Callable[[Pieces], Pieces]) -> None:
+    """Call ``step``, which settles some pieces and returns the halves of the others, until all are.
+
+    No more than ``BLOCK`` are taken at a time, the last that came first: a long motion a hand's
+    breadth above the ground may need millions, but never all at once.
+    """
+    waiting = [pieces]
+    while waiting:
+        pieces = waiting.pop()
+        if len(pieces.k) > BLOCK:
+            waiting.append(pieces.where(slice(BLOCK, None)))
+            pieces = pieces.where(slice(BLOCK))
+        halves = step(pieces)
+        if len(halves.k):
+            waiting.append(halves)

@@ -1,0 +1,122 @@
+"""Grow a roadmap, search it, polish what is found; again and again until told to stop."""
+
+from __future__ import annotations
+
+import time
+from collections import deque
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from ompl_risk._arrays import FloatArray
+from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
+
+FIRST = 1000
+"""States sampled for the first roadmap: over terrain a first path is then found in some 30 ms."""
+
+FIRST_SLOW = 200
+"""The same where every distance is a call of Python."""
+
+GROWTH = 0.5
+"""States sampled after that, as a share of those there are."""
+
+LIMIT = 1_000_000
+"""Vertices at which growing ends, for the sake of memory."""
+
+Stop = Callable[[], bool]
+Polish = Callable[[FloatArray], FloatArray]
+"""Improves the states of a path, shape (k, width), or returns them as they are."""
+
+
+class Progress(NamedTuple):
+    """A better path was found.
+
+    Attributes:
+        seconds: spent on planning until then [s].
+        cost: of the path.
+        vertices: of the roadmap.
+        edges: of the roadmap.
+        evaluated: edges whose exact risk was needed.
+    """
+
+    seconds: float
+    cost: float
+    vertices: int
+    edges: int
+    evaluated: int
+
+
+class Improvement:
+    """What a planner does until it is stopped, or nothing is left to gain.
+
+    Args:
+        roadmap: with starts and goals.
+        polish: local improvement of a path; none if left out.
+        enough: whether a cost satisfies, so that work may end.
+        seconds: spent before, for the history.
+        history: where a row for each better path is added.
+
+    Attributes:
+        more_goals: further goal states may be put in here while the work goes on.
+    """
+
+    def __init__(
+        self,
+        roadmap: Roadmap,
+        *,
+        polish: Polish | None = None,
+        enough: Callable[[float], bool] = lambda _cost: False,
+        seconds: float = 0.0,
+        history: list[Progress] | None = None,
+    ) -> None:
+        self._roadmap, self._polish, self._enough = roadmap, polish, enough
+        self._begin = time.monotonic() - seconds
+        self._first = FIRST if roadmap.compiled else FIRST_SLOW
+        self._history = [] if history is None else history
+        self.more_goals: deque[FloatArray] = deque()
+
+    @property
+    def seconds(self) -> float:
+        """Spent so far [s]."""
+        return time.monotonic() - self._begin
+
+    def __call__(self, stop: Stop) -> None:
+        """Work until ``stop()``, or until nothing is left to gain."""
+        self._look(stop)
+        while not stop() and not self._finished():
+            self._add_goals()
+            self._roadmap.grow(max(self._first, int(GROWTH * self._roadmap.n)), stop)
+            self._look(stop)
+
+    def _finished(self) -> bool:
+        roadmap = self._roadmap
+        if roadmap.best is not None and self._enough(roadmap.best.cost):
+            return True
+        return roadmap.nothing_to_gain() or roadmap.n >= LIMIT
+
+    def _add_goals(self) -> None:
+        while self.more_goals:
+            self._roadmap.add_goals(self.more_goals.popleft()[None, :])
+
+    def _look(self, stop: Stop) -> None:
+        """Search the roadmap; polish what is new, and let its corners be vertices."""
+        if stop() or not self._take(self._roadmap.search(stop)):
+            return
+        best = self._roadmap.best
+        if self._polish is None or best is None or stop():
+            return
+        states = self._polish(best.states)
+        if not np.array_equal(states, best.states) and not stop():
+            self._roadmap.insert_path(best, states)
+            self._take(self._roadmap.search(stop))
+
+    def _take(self, route: Route | None) -> bool:
+        """Keep a route if it is the best so far."""
+        roadmap = self._roadmap
+        if route is None or not route.better(roadmap.best):
+            return False
+        roadmap.best = route
+        counts = roadmap.n, roadmap.edges.m, roadmap.evaluated
+        self._history.append(Progress(self.seconds, route.cost, *counts))
+        return True

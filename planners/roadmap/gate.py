@@ -1,0 +1,65 @@
+"""Which states and motions are allowed, besides what the risk says."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ompl_risk._arrays import FloatArray
+from ompl_risk.motion import MotionBatch
+
+Flags = NDArray[np.bool_]
+
+
+class Gate(ABC):
+    """Allows or forbids states and motions between them.
+
+    Attributes:
+        compiled: whether no Python runs for single states or motions.
+    """
+
+    compiled: bool = False
+
+    @abstractmethod
+    def allows_states(self, states: FloatArray) -> Flags:
+        """Which states are allowed, shape (n,)."""
+
+    @abstractmethod
+    def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
+        """Which motions from a[k] to b[k] are allowed throughout, shape (n,)."""
+
+
+class OpenGate(Gate):
+    """Allows everything: an infinite risk is enough to keep off obstacles."""
+
+    compiled = True
+
+    def allows_states(self, states: FloatArray) -> Flags:
+        """True for all."""
+        return np.ones(len(states), np.bool_)
+
+    def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:  # noqa: ARG002
+        """True for all."""
+        return np.ones(len(a), np.bool_)
+
+
+class ClearanceGate(Gate):
+    """Allows what is free by a clearance, such as one that demands a distance from obstacles.
+
+    Args:
+        motions: over that clearance.
+    """
+
+    def __init__(self, motions: MotionBatch) -> None:
+        self._motions = motions
+        self.compiled = motions.compiled
+
+    def allows_states(self, states: FloatArray) -> Flags:
+        """Which states are free."""
+        return self._motions.clearances(states) > 0.0
+
+    def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
+        """Which motions are free throughout."""
+        return self._motions.are_free(a, b)

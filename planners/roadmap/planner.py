@@ -1,0 +1,240 @@
+"""The roadmap as an OMPL planner."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from typing import Any
+
+import numpy as np
+from ompl import base as ob
+
+from ompl_risk._arrays import FloatArray
+from ompl_risk.bridge.conditions import after
+from ompl_risk.bridge.states import StateReader
+from ompl_risk.clearance.threads import thread_count
+from ompl_risk.errors import ArgumentError
+from ompl_risk.motion.steering import Steering
+from ompl_risk.planners.roadmap.anytime import Improvement, Progress
+from ompl_risk.planners.roadmap.goals import GoalSource
+from ompl_risk.planners.roadmap.publishing import add_solutions, to_path
+from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
+from ompl_risk.planners.roadmap.setting import Setting, read_setting
+from ompl_risk.planners.roadmap.warming import warm_up
+from ompl_risk.planners.roadmap.worker import Worker
+
+
+class RiskRoadmap(ob.Planner):
+    """Anytime roadmap planner for a ``RiskObjective``, in compiled code throughout.
+
+    Grows a roadmap in batches, finds its least costly path by evaluating hardly more edges than
+    lie on it, polishes that, and samples on where the path can still be improved. Starts,
+    goals, bounds, objective and termination condition are OMPL's; it stops within some 50 ms of the
+    condition with the best path so far, and goes on from there when ``solve`` is called again.
+
+    Works over R^3 and SE(3), with a ``RiskObjective`` of any norm and clearance, or for path
+    length. With other clearances than a ``TerrainClearance``, and with a validity checker or motion
+    validator that is not this library's, Python runs for states and motions, batched, and some
+    hundred times slower; ``compiled`` says whether it does.
+
+    Args:
+        si: the space information.
+        seed: of the samples. The same seed gives the same batches; how many of them depends on the
+            time.
+        steering: how vertices are connected; straight at the objective's speed if left out.
+        threads: of compiled code; ``None`` uses all processors.
+
+    Raises:
+        ArgumentError: a seed or a number of threads out of range.
+
+    Attributes:
+        history: a row for each better path: seconds, cost, vertices, edges, evaluated.
+        reason: why there is no path, in words.
+
+    Example:
+        >>> from ompl import geometric as og
+        >>> from ompl_risk import RiskObjective, TerrainClearance, terrains
+        >>> space = ob.RealVectorStateSpace(3)
+        >>> space.setBounds(0.0, 90.0)
+        >>> setup = og.SimpleSetup(space)
+        >>> si = setup.getSpaceInformation()
+        >>> flat = TerrainClearance(terrains.Terrain(np.zeros((10, 10)), spacing=(10.0, 10.0)))
+        >>> setup.setOptimizationObjective(RiskObjective(si, flat, speed=10.0))
+        >>> setup.setPlanner(RiskRoadmap(si))
+    """
+
+    def __init__(
+        self,
+        si: ob.SpaceInformation,
+        *,
+        seed: int = 1,
+        steering: Steering | None = None,
+        threads: int | None = None,
+    ) -> None:
+        super().__init__(si, "RiskRoadmap")
+        if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
+            raise ArgumentError("seed", seed, "a whole number of at least 0")
+        thread_count(threads)
+        self._seed, self._steering, self._threads = seed, steering, threads
+        self._setting: Setting | None = None
+        self._roadmap: Roadmap | None = None
+        self._worker: Worker | None = None
+        self._seconds = 0.0
+        self.history: list[Progress] = []
+        self.reason = ""
+
+    @property
+    def compiled(self) -> bool:
+        """Whether no Python runs for single states and motions; known once the problem is."""
+        return self._roadmap is not None and self._roadmap.compiled
+
+    @property
+    def roadmap(self) -> Roadmap | None:
+        """The roadmap; None before the problem is known."""
+        self._leave()
+        return self._roadmap
+
+    def setup(self) -> None:
+        """Read the problem and compile, so that ``solve`` spends its time on planning."""
+        super().setup()
+        if self.getProblemDefinition() is not None:
+            warm_up(self._opened())
+
+    def clear(self) -> None:
+        """Forget the roadmap and what was found."""
+        super().clear()
+        self._leave()
+        self._roadmap, self._setting, self._seconds = None, None, 0.0
+        self.history, self.reason = [], ""
+
+    def clearQuery(self) -> None:
+        """Forget start, goal and what was found; the next query grows a roadmap anew."""
+        self.clear()
+
+    def solve(self, ptc: Any) -> ob.PlannerStatus:  # pyright: ignore[reportIncompatibleMethodOverride]
+        """Plan until the condition holds, or nothing is left to gain.
+
+        Args:
+            ptc: the condition, or seconds.
+
+        Returns:
+            ``EXACT_SOLUTION`` if there is a path, else ``TIMEOUT``, or what is wrong with start or
+            goal; ``reason`` tells more.
+
+        Raises:
+            ArgumentError: an objective or a space that a roadmap cannot serve.
+            Exception: what a clearance or checker raised; what was found before is kept.
+        """
+        condition: Any = after(float(ptc)) if isinstance(ptc, int | float) else ptc
+        self._leave()
+        self.checkValidity()
+        roadmap = self._opened()
+        goals = GoalSource(self.getProblemDefinition(), self.getPlannerInputStates(), self._reader)
+        wrong = self._read_ends(roadmap, goals)
+        if wrong is not None:
+            return ob.PlannerStatus(wrong)
+        work = Improvement(
+            roadmap,
+            polish=self._polish(),
+            enough=self._satisfied(),
+            seconds=self._seconds,
+            history=self.history,
+        )
+        self._worker = Worker(work, abandon=roadmap.compiled)
+        try:
+            self._worker.wait(condition, lambda: work.more_goals.extend(goals.later()))
+        finally:
+            self._conclude(roadmap, work)
+        return ob.PlannerStatus(roadmap.best is not None, False)
+
+    def _conclude(self, roadmap: Roadmap, work: Improvement) -> None:
+        """Publish the best path, keep the history."""
+        best = roadmap.best
+        self._seconds = work.seconds
+        if best is None:
+            self.reason = (
+                f"no path in a roadmap of {roadmap.n} vertices, of which {roadmap.reached} may be "
+                "reached from the start: more time, wider bounds or a smaller vehicle may help"
+            )
+            return
+        self.reason = ""
+        self.publish([best])
+
+    def publish(self, routes: list[Route]) -> None:
+        """Make routes OMPL's solutions: the first exact, the others approximate, in their order.
+
+        A better exact solution of another planner that is there already stays first.
+        """
+        problem: Any = self.getProblemDefinition()
+        si, turns = self.getSpaceInformation(), self._turns
+        paths = [to_path(si, route.states, turns) for route in routes]
+        add_solutions(problem, paths, problem.getOptimizationObjective(), self.getName())
+
+    def _opened(self) -> Roadmap:
+        """The roadmap, made from the problem the first time."""
+        if self._roadmap is None:
+            si: Any = self.getSpaceInformation()
+            objective: Any = self.getProblemDefinition().getOptimizationObjective()
+            self._setting = setting = read_setting(
+                si, objective, seed=self._seed, steering=self._steering, threads=self._threads
+            )
+            self._reader = _Numbers(si)
+            self._turns: tuple[FloatArray, FloatArray] | None = None
+            self._roadmap = Roadmap(
+                setting.region,
+                setting.motions,
+                setting.risk,
+                gate=setting.gate,
+                undirected=self._steering is None or self._steering.symmetric,
+                threads=self._threads,
+            )
+        return self._roadmap
+
+    def _read_ends(self, roadmap: Roadmap, goals: GoalSource) -> Any:
+        """Take in starts and goals; the status to return if there is none, and say why."""
+        inputs, width = self.getPlannerInputStates(), roadmap.region.width
+        starts: list[FloatArray] = []
+        while (state := inputs.nextStart()) is not None:
+            starts.append(self._reader(state))
+        ends = goals.first()
+        if starts and ends and width == 3 and len(starts[0]) == 7:
+            self._turns = starts[0][3:], ends[0][3:]
+        roadmap.add_starts(np.array(starts).reshape(-1, self._reader.width)[:, :width])
+        roadmap.add_goals(np.array(ends).reshape(-1, self._reader.width)[:, :width])
+        if not roadmap.starts:
+            self.reason = "no start state that is within the bounds and free"
+            return ob.PlannerStatus.INVALID_START
+        if not roadmap.goals:
+            self.reason = goals.reason
+            return goals.status
+        return None
+
+    def _polish(self) -> Callable[[FloatArray], FloatArray] | None:
+        return None
+
+    def _satisfied(self) -> Callable[[float], bool]:
+        """Whether a cost is below the objective's threshold."""
+        objective: Any = self.getProblemDefinition().getOptimizationObjective()
+        if objective is None:
+            return lambda _cost: False
+        threshold = objective.getCostThreshold().value()
+        return lambda cost: cost < threshold
+
+    def _leave(self) -> None:
+        """Wait for work that a condition left behind: it still writes to the roadmap."""
+        if self._worker is not None:
+            self._worker.join()
+            self._worker = None
+
+
+class _Numbers:
+    """States as new arrays, shape (width,)."""
+
+    def __init__(self, si: ob.SpaceInformation) -> None:
+        reader = StateReader(si.getStateSpace())
+        self.width = reader.width
+        self._buffer = np.empty(reader.width)
+        self._read = reader.into(self._buffer)
+
+    def __call__(self, state: Any) -> FloatArray:
+        self._read(state)
+        return self._buffer.copy()

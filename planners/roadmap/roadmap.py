@@ -1,0 +1,284 @@
+"""A roadmap that grows, and the least risky way through it."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ompl_risk._arrays import FloatArray
+from ompl_risk.motion import MotionBatch, Risk
+from ompl_risk.planners.roadmap.edges import Edges
+from ompl_risk.planners.roadmap.gate import Gate, OpenGate
+from ompl_risk.planners.roadmap.graph import Graph, Integers
+from ompl_risk.planners.roadmap.neighbours import new_pairs
+from ompl_risk.planners.roadmap.portions import Portions
+from ompl_risk.planners.roadmap.region import Region
+from ompl_risk.planners.roadmap.search import LazySearch
+
+Stop = Callable[[], bool]
+
+
+def never() -> bool:
+    """Never stop."""
+    return False
+
+
+@dataclass(frozen=True, eq=False)
+class Route:
+    """A path through a roadmap.
+
+    Attributes:
+        vertices: of the roadmap, from a start to a goal, shape (k,).
+        states: all corners, shape (j, width), positions [m] first.
+        duration: [s].
+        risk: p-th power of its norm, or the maximum of f; without any weight of time.
+        cost: what is minimised: for additive norms the risk plus the weight of time.
+    """
+
+    vertices: Integers
+    states: FloatArray
+    duration: float
+    risk: float
+    cost: float
+
+    def better(self, other: Route | None) -> bool:
+        """Whether it costs less than another; at the same cost the faster one is better."""
+        return other is None or (self.cost, self.duration) < (other.cost, other.duration)
+
+
+class Roadmap:
+    """States sampled in a region, connected to their neighbours; edges are evaluated when needed.
+
+    Args:
+        region: where states are sampled.
+        motions: the pure risk of motions: over a ``Risk`` whose ``duration_weight`` is 0.
+        risk: how risk is counted, with the weight of time.
+        gate: what is allowed besides what has a finite risk.
+        undirected: whether motions can be flown both ways, at the same risk.
+        threads: at most so many; ``None`` uses all processors.
+
+    Attributes:
+        states: of the vertices, shape (n, width).
+        clearance: there [m], shape (n,).
+        starts, goals: vertices where paths begin and end.
+        edges: between the vertices.
+        best: the best route so far.
+        evaluated: number of edges whose exact risk was needed.
+    """
+
+    def __init__(
+        self,
+        region: Region,
+        motions: MotionBatch,
+        risk: Risk,
+        *,
+        gate: Gate | None = None,
+        undirected: bool = True,
+        threads: int | None = None,
+    ) -> None:
+        self.region, self.motions, self.risk = region, motions, risk
+        self.gate = OpenGate() if gate is None else gate
+        self.states: FloatArray = np.empty((0, region.width))
+        self.clearance: FloatArray = np.empty(0)
+        self.starts: list[int] = []
+        self.goals: list[int] = []
+        self.edges = Edges(undirected=undirected)
+        self.best: Route | None = None
+        self.evaluated = 0
+        self._threads = threads
+        self._search = LazySearch(self.edges, self._weigh, maximum=self.maximum)
+        self._portions = Portions()
+
+    @property
+    def maximum(self) -> bool:
+        """Whether the risk of a path is the maximum of its edges', not their sum."""
+        return math.isinf(self.risk.exponent)
+
+    @property
+    def compiled(self) -> bool:
+        """Whether no Python runs for single states or motions."""
+        return self.motions.compiled and self.gate.compiled
+
+    @property
+    def n(self) -> int:
+        """Number of vertices."""
+        return len(self.states)
+
+    @property
+    def reached(self) -> int:
+        """Number of vertices that a start is known to be connected to, or perhaps is."""
+        return int(np.isfinite(self._search.tree.distance).sum())
+
+    def add_starts(self, states: FloatArray) -> None:
+        """Add states where paths may begin, shape (k, width); only those that are allowed."""
+        self.starts += self.insert(states[self._allowed(states)]).tolist()
+
+    def add_goals(self, states: FloatArray) -> None:
+        """Add states where paths may end, shape (k, width); only those that are allowed."""
+        self.goals += self.insert(states[self._allowed(states)]).tolist()
+
+    def grow(self, n: int, stop: Stop = never) -> int:
+        """Sample n states and connect those that are allowed and could improve on ``best``.
+
+        Returns:
+            How many were added; fewer if ``stop`` says so.
+        """
+        states = self.region.sample(n)
+        found = [states[part][self._useful(states[part])] for part in self._parts(n, stop)]
+        return len(self.insert(np.vstack([np.empty((0, self.region.width)), *found])))
+
+    def _allowed(self, states: FloatArray) -> NDArray[np.bool_]:
+        allowed = self.motions.clearances(states) > 0.0
+        allowed[allowed] = self.gate.allows_states(states[allowed])
+        return allowed
+
+    def _useful(self, states: FloatArray) -> NDArray[np.bool_]:
+        useful = self._allowed(states)
+        d = self.motions.clearances(states[useful])
+        useful[useful] = self._promising(states[useful], d)
+        return useful
+
+    def _promising(self, states: FloatArray, d: FloatArray) -> NDArray[np.bool_]:
+        """Whether a path through states with clearances d may be better than the best."""
+        best = self.best
+        if best is None:
+            return np.ones(len(states), np.bool_)
+        risk, duration = self._least(states, d)
+        if not self.maximum:
+            return risk + self.risk.weight * duration < best.cost
+        return (risk < best.cost) | ((risk <= best.cost) & (duration < best.duration))
+
+    def _least(self, states: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Lower bounds for risk and duration of any path through states with clearances d."""
+        risks, durations = [], []
+        for ends in (self.starts, self.goals):
+            both = [self._bounds(states, d, end) for end in ends]
+            risks.append(np.min([risk for risk, _ in both], axis=0))
+            durations.append(np.min([duration for _, duration in both], axis=0))
+        risk = np.maximum(*risks) if self.maximum else risks[0] + risks[1]
+        return risk, durations[0] + durations[1]
+
+    def _bounds(
+        self, states: FloatArray, d: FloatArray, vertex: int
+    ) -> tuple[FloatArray, FloatArray]:
+        ends = np.ascontiguousarray(np.broadcast_to(self.states[vertex], states.shape))
+        d_end = np.full(len(d), self.clearance[vertex])
+        risk = self.motions.heuristics(states, ends, d, d_end)
+        return risk, self.motions.least_durations(states, ends)
+
+    def nothing_to_gain(self) -> bool:
+        """Whether no path can be better than the best, however much the roadmap grows."""
+        if self.best is None:
+            return False
+        starts = np.array(self.starts)
+        return not self._promising(self.states[starts], self.clearance[starts]).any()
+
+    def insert(self, states: FloatArray) -> Integers:
+        """Add states, which must be free, and connect them to their neighbours.
+
+        Returns:
+            Their numbers, shape (k,).
+        """
+        start = self.n
+        self.states = np.vstack([self.states, states])
+        self.clearance = np.concatenate([self.clearance, self.motions.clearances(states)])
+        tail, head = new_pairs(self.states, start, self.region, self._threads)
+        if not self.edges.undirected:
+            tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
+        a, b = self.states[tail], self.states[head]
+        bound = self.motions.heuristics(a, b, self.clearance[tail], self.clearance[head])
+        self.edges.add(self.n, tail, head, risk=bound, duration=self.motions.durations(a, b))
+        return np.arange(start, self.n, dtype=np.int32)
+
+    def insert_path(self, route: Route, states: FloatArray) -> None:
+        """Add the corners of a path that leads from the start to the goal of a route.
+
+        Args:
+            route: with the same ends.
+            states: corners of the path, shape (k, width).
+        """
+        chain = np.concatenate([route.vertices[:1], self.insert(states[1:-1]), route.vertices[-1:]])
+        tail, head = chain[:-1].copy(), chain[1:].copy()
+        numbers = np.arange(self.edges.m, self.edges.m + len(tail), dtype=np.int32)
+        duration = self.motions.durations(self.states[tail], self.states[head])
+        self.edges.add(self.n, tail, head, risk=np.zeros(len(tail)), duration=duration)
+        self._evaluate(numbers, tail, head, never)
+
+    def search(self, stop: Stop = never) -> Route | None:
+        """The least costly path through the roadmap, the fastest of equals.
+
+        Returns:
+            The path; None if there is none, or ``stop`` said so first.
+        """
+        self._search.update(self.starts)
+        half = self._path(self._search, stop)
+        if half is None or not self.maximum:
+            return None if half is None else self._route(half)
+        limit = self._route(half).risk
+
+        def weigh(risk: FloatArray, duration: FloatArray) -> FloatArray:
+            return np.where(risk <= limit, duration, math.inf)
+
+        fastest = LazySearch(self.edges, weigh)
+        fastest.update(self.starts)
+        better = self._path(fastest, stop)
+        return self._route(half if better is None else better)
+
+    def _path(self, search: LazySearch, stop: Stop) -> NDArray[np.int64] | None:
+        def evaluate(numbers: Integers, tail: Integers, head: Integers) -> None:
+            self._evaluate(numbers, tail, head, stop)
+
+        return search.path(self.goals, evaluate, stop)
+
+    def _route(self, half: NDArray[np.int64]) -> Route:
+        source = int(np.searchsorted(self.edges.first, half[0], side="right")) - 1
+        vertices = np.append(np.int32(source), self.edges.target[half])
+        numbers = self.edges.edge[half]
+        risk = self.risk.combine(self.edges.risk[numbers])
+        return self.route(vertices, float(self.edges.duration[numbers].sum()), risk)
+
+    def route(self, vertices: Integers, duration: float, risk: float) -> Route:
+        """A path along vertices, with what steering puts between them."""
+        corners = self.states[vertices]
+        pieces = [piece[1:] for piece in self.motions.samples(corners[:-1], corners[1:])]
+        states = np.vstack([corners[:1], *pieces])
+        cost = risk if self.maximum else risk + self.risk.weight * duration
+        return Route(vertices, states, duration, risk, cost)
+
+    def _evaluate(self, numbers: Integers, tail: Integers, head: Integers, stop: Stop) -> None:
+        """Find the exact risk of edges; of fewer if ``stop`` says so."""
+        if self.edges.undirected:  # sampling makes a motion and its reverse differ in some digit
+            tail, head = np.minimum(tail, head), np.maximum(tail, head)
+        for part in self._parts(len(numbers), stop):
+            a, b = self.states[tail[part]], self.states[head[part]]
+            risk = np.full(len(a), math.inf)
+            allowed = self.gate.allows_motions(a, b)
+            risk[allowed] = self.motions.costs(a[allowed], b[allowed])
+            self.edges.risk[numbers[part]] = risk
+            self.edges.known[numbers[part]] = True
+            self.evaluated += len(a)
+
+    def _parts(self, n: int, stop: Stop) -> Iterable[slice]:
+        """Compiled work is quick enough to be done in one go."""
+        return [slice(0, n)] if self.compiled else self._portions.of(n, stop)
+
+    def _weigh(self, risk: FloatArray, duration: FloatArray) -> FloatArray:
+        return risk if self.maximum else risk + self._time_weight * duration
+
+    @property
+    def _time_weight(self) -> float:
+        """The weight of time, or a tie-break among ways of equal risk that changes no digit."""
+        return self.risk.weight or 1e-12 * self.risk.avoidance.d0**-self.risk.exponent
+
+    def graph(self) -> Graph:
+        """The edges that have been evaluated."""
+        return self.edges.graph(maximum=self.maximum)
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of vertices, edges and search tree."""
+        return self.states.nbytes + self.clearance.nbytes + self.edges.nbytes + self._search.nbytes

@@ -1,0 +1,180 @@
+"""What a roadmap needs to know of an OMPL problem."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+from ompl import base as ob
+
+from ompl_risk._arrays import FloatArray
+from ompl_risk.bridge import ClearanceMotionValidator, ClearanceValidityChecker, RiskObjective
+from ompl_risk.bridge.states import StateReader, StateWriter
+from ompl_risk.clearance import TerrainClearance
+from ompl_risk.errors import ArgumentError
+from ompl_risk.motion import MotionBatch, Risk, motion_batch
+from ompl_risk.motion.length import LengthBatch
+from ompl_risk.motion.steering import Steering
+from ompl_risk.norms import Lp
+from ompl_risk.planners.roadmap.gate import ClearanceGate, Flags, Gate, OpenGate
+from ompl_risk.planners.roadmap.region import Region
+
+LENGTH = Risk(norm=Lp(1), speed=1.0, duration_weight=1.0)
+"""How the length of a path is counted: no risk, and a second for every metre."""
+
+TURN = 0.5
+"""What turning by a radian counts in metres at least: as in OMPL's own distance in SE(3)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Setting:
+    """The arguments of a ``Roadmap``, read from OMPL's space information and objective.
+
+    Attributes:
+        region: where states are sampled.
+        motions: the pure risk of motions.
+        risk: how risk is counted.
+        gate: what is allowed besides what has a finite risk.
+        clearance: of the objective; None if it minimises the length.
+        obstacles: a clearance that paths keep positive; None if OMPL's own checker decides.
+    """
+
+    region: Region
+    motions: MotionBatch
+    risk: Risk
+    gate: Gate
+    clearance: Any
+    obstacles: Any
+
+
+def read_setting(
+    si: ob.SpaceInformation,
+    objective: Any,
+    *,
+    seed: int,
+    steering: Steering | None = None,
+    threads: int | None = None,
+) -> Setting:
+    """Read a problem.
+
+    Args:
+        si: over R^3 or SE(3), with bounds.
+        objective: a ``RiskObjective``, or one of path length; None is the latter.
+        seed: of the samples.
+        steering: how states are connected; straight if left out.
+        threads: of compiled code, at most.
+
+    Raises:
+        ArgumentError: another space or objective, or a space without bounds.
+    """
+    space = si.getStateSpace()
+    StateReader(space)  # says which spaces can be read
+    clearance, risk = _counted(objective)
+    obstacles, foreign = _obstacles(si, clearance)
+    posed = any(getattr(c, "uses_orientation", False) for c in (clearance, obstacles))
+    posed = posed or (foreign and isinstance(space, ob.SE3StateSpace))
+    reach = max(TURN, *(float(getattr(c, "reach", 0.0)) for c in (clearance, obstacles)))
+    region = _region(space, posed=posed, reach=reach, seed=seed)
+    width = region.width
+    motions: MotionBatch = LengthBatch(width, TURN)
+    if clearance is not None:
+        pure = replace(risk, duration_weight=0.0)
+        motions = motion_batch(clearance, pure, width, threads=threads)
+        if steering is not None:
+            from ompl_risk.motion.steered import steered_batch
+
+            motions = steered_batch(steering, clearance, pure, width)
+    elif steering is not None:
+        raise ArgumentError("steering", steering, "left out for path length; use a RiskObjective")
+    gate: Gate = OpenGate()
+    if foreign:
+        gate = CheckerGate(si, region.width)
+    elif obstacles is not None and not _same(obstacles, clearance):
+        gate = ClearanceGate(motion_batch(obstacles, Risk(speed=1.0), width, threads=threads))
+    return Setting(region, motions, risk, gate, clearance, obstacles)
+
+
+class CheckerGate(Gate):
+    """Allows what OMPL's state validity checker and motion validator allow, one at a time.
+
+    Args:
+        si: with both.
+        width: numbers in a state of the roadmap.
+    """
+
+    def __init__(self, si: ob.SpaceInformation, width: int) -> None:
+        self._writer, self._width = StateWriter(si), width
+        self._is_valid, self._check = si.isValid, si.checkMotion
+
+    def allows_states(self, states: FloatArray) -> Flags:
+        """Which states are valid."""
+        return np.array([self._is_valid(self._state(row)) for row in states], dtype=np.bool_)
+
+    def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
+        """Which motions are valid."""
+        pairs = zip(a, b, strict=True)
+        found = [self._check(self._state(p), self._state(q)) for p, q in pairs]
+        return np.array(found, dtype=np.bool_)
+
+    def _state(self, numbers: FloatArray) -> Any:
+        return self._writer.state(full_state(numbers, self._writer.width))
+
+
+def full_state(numbers: FloatArray, width: int) -> FloatArray:
+    """A position completed by the identity where OMPL's states have an orientation."""
+    if len(numbers) == width:
+        return numbers
+    return np.concatenate([numbers, [0.0, 0.0, 0.0, 1.0]])
+
+
+def _counted(objective: Any) -> tuple[Any, Risk]:
+    """Clearance and risk of an objective."""
+    if isinstance(objective, RiskObjective):
+        return objective.clearance, objective.risk
+    if objective is None or type(objective) is ob.PathLengthOptimizationObjective:
+        return None, LENGTH
+    raise ArgumentError(
+        "objective",
+        type(objective).__name__,
+        "a RiskObjective or ob.PathLengthOptimizationObjective: RiskRoadmap evaluates motions in "
+        "compiled code and cannot ask others",
+    )
+
+
+def _obstacles(si: ob.SpaceInformation, clearance: Any) -> tuple[Any, bool]:
+    """The clearance that OMPL's checkers go by, and whether one of them is not ours."""
+    checker, validator = si.getStateValidityChecker(), si.getMotionValidator()
+    ours = [
+        one.obstacles
+        for one in (validator, checker)
+        if isinstance(one, ClearanceMotionValidator | ClearanceValidityChecker)
+    ]
+    unset = checker is None or type(checker) is ob.AllValidStateValidityChecker
+    checks = isinstance(checker, ClearanceValidityChecker) or unset
+    if not checks or type(validator) not in (ob.MotionValidator, ClearanceMotionValidator):
+        return (ours[0] if ours else clearance), True
+    if len(ours) == 2 and not _same(*ours):
+        return ours[0], True
+    return (ours[0] if ours else clearance), False
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Whether two clearances keep off the same obstacles by as much."""
+    if isinstance(one, TerrainClearance) and isinstance(other, TerrainClearance):
+        return one.field is other.field and one.radius == other.radius
+    return one is other
+
+
+def _region(space: Any, *, posed: bool, reach: float, seed: int) -> Region:
+    if type(space) not in (ob.RealVectorStateSpace, ob.SE3StateSpace):
+        raise ArgumentError(
+            "si.getStateSpace()", type(space).__name__, "R^3 or SE(3), with straight motions"
+        )
+    bounds = space.getBounds()
+    low, high = ([float(side[k]) for k in range(3)] for side in (bounds.low, bounds.high))
+    for a, b in zip(low, high, strict=True):
+        if not (math.isfinite(a) and math.isfinite(b) and a < b):
+            raise ArgumentError("space.getBounds()", [low, high], "finite, low below high")
+    return Region(low, high, posed=posed, reach=reach, seed=seed)
