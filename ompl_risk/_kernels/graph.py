@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from ompl_risk._kernels.heap import empty_heap, pop, push
-from ompl_risk._kernels.jit import entry, kernel
+from ompl_risk._kernels.jit import entry
 
 
 @entry
@@ -32,12 +32,6 @@ def shortest_paths(first, target, edge, weight, seeds, maximum, distance, parent
     heap = empty_heap(len(distance))
     for seed in seeds:
         push(heap, distance, seed)
-    _search(heap, first, target, edge, weight, maximum, distance, parent, via)
-
-
-@kernel
-def _search(heap, first, target, edge, weight, maximum, distance, parent, via):
-    """Dijkstra from whatever is in the heap."""
     while heap.size[0] > 0:
         u = pop(heap, distance)
         here = distance[u]
@@ -51,45 +45,45 @@ def _search(heap, first, target, edge, weight, maximum, distance, parent, via):
 
 
 @entry
-def repair_paths(
-    first, target, edge, before_first, before, weight, raised, maximum, distance, parent, via
-):
-    """Restore shortest paths after weights have risen; others may not have fallen.
-
-    Whatever hangs below a raised edge of the tree is cut off, and searched again from the vertices
-    that have edges into it (after Ramalingam and Reps, 1996).
+def guided_path(first, target, edge, weight, rest, roots, goals, maximum, distance, parent, via):
+    """A shortest path from the roots to the goals by A* (Hart, Nilsson and Raphael, 1968).
 
     Args:
-        first, target, edge, weight, maximum, distance, parent, via: see ``shortest_paths``.
-        before_first, before: rows of the vertices that have half-edges to each vertex.
-        raised: vertices whose edge from the parent has risen, shape (r,).
+        first, target, edge, weight, maximum: see ``shortest_paths``.
+        rest: lower bounds for the way from each vertex to the goals, consistent with the weights,
+            inf where there is none, shape (n,).
+        roots, goals: vertices, shapes (r,) and (k,).
+        distance, parent, via: work space, then the tree as far as it was needed, shape (n,).
+
+    Returns:
+        The goal that was reached, -1 if there is no path.
     """
-    cut = np.empty(len(distance), np.int32)
-    n = 0
-    for v in raised:
-        if parent[v] >= 0:
-            parent[v], distance[v] = -1, math.inf
-            cut[n] = v
-            n += 1
-    k = 0
-    while k < n:
-        u = cut[k]
-        k += 1
+    distance[:] = math.inf
+    parent[:] = -1
+    key = np.empty(len(distance))
+    heap = empty_heap(len(distance))
+    for root in roots:
+        if rest[root] < math.inf:
+            distance[root], key[root] = 0.0, rest[root]
+            push(heap, key, root)
+    while heap.size[0] > 0:
+        u = pop(heap, key)
+        here = distance[u]
+        if rest[u] == 0.0:
+            for goal in goals:
+                if goal == u:
+                    return u
         for h in range(first[u], first[u + 1]):
             v = target[h]
-            if parent[v] == u and via[v] == h:
-                parent[v], distance[v] = -1, math.inf
-                cut[n] = v
-                n += 1
-    heap = empty_heap(len(distance))
-    for k in range(n):
-        v = cut[k]
-        via[v] = -1
-        for h in range(before_first[v], before_first[v + 1]):
-            u = before[h]
-            if distance[u] < math.inf:
-                push(heap, distance, u)
-    _search(heap, first, target, edge, weight, maximum, distance, parent, via)
+            if rest[v] == math.inf:
+                continue
+            w = weight[edge[h]]
+            reached = max(here, w) if maximum else here + w
+            if reached < distance[v] and w < math.inf:
+                distance[v], parent[v], via[v] = reached, u, h
+                key[v] = max(reached, rest[v]) if maximum else reached + rest[v]
+                push(heap, key, v)
+    return -1
 
 
 @entry

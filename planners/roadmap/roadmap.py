@@ -17,7 +17,7 @@ from ompl_risk.planners.roadmap.graph import Graph, Integers
 from ompl_risk.planners.roadmap.neighbours import new_pairs
 from ompl_risk.planners.roadmap.portions import Portions
 from ompl_risk.planners.roadmap.region import Region
-from ompl_risk.planners.roadmap.search import LazySearch
+from ompl_risk.planners.roadmap.search import FastestSearch, LazySearch
 
 Stop = Callable[[], bool]
 
@@ -86,11 +86,11 @@ class Roadmap:
         self.clearance: FloatArray = np.empty(0)
         self.starts: list[int] = []
         self.goals: list[int] = []
-        self.edges = Edges(undirected=undirected)
+        self.edges = Edges(time_weight=self._time_weight, undirected=undirected)
         self.best: Route | None = None
         self.evaluated = 0
         self._threads = threads
-        self._search = LazySearch(self.edges, self._weigh, maximum=self.maximum)
+        self._search = LazySearch(self.edges, maximum=self.maximum)
         self._portions = Portions()
 
     @property
@@ -110,8 +110,8 @@ class Roadmap:
 
     @property
     def reached(self) -> int:
-        """Number of vertices that a start is known to be connected to, or perhaps is."""
-        return int(np.isfinite(self._search.tree.distance).sum())
+        """After a search in vain: how many vertices can be reached from a start."""
+        return self._search.reached
 
     def add_starts(self, states: FloatArray) -> None:
         """Add states where paths may begin, shape (k, width); only those that are allowed."""
@@ -149,7 +149,7 @@ class Roadmap:
             return np.ones(len(states), np.bool_)
         risk, duration = self._least(states, d)
         if not self.maximum:
-            return risk + self.risk.weight * duration < best.cost
+            return risk + self._time_weight * duration < best.cost
         return (risk < best.cost) | ((risk <= best.cost) & (duration < best.duration))
 
     def _least(self, states: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -214,17 +214,12 @@ class Roadmap:
         Returns:
             The path; None if there is none, or ``stop`` said so first.
         """
-        self._search.update(self.starts)
+        self._search.update(self.goals)
         half = self._path(self._search, stop)
         if half is None or not self.maximum:
             return None if half is None else self._route(half)
-        limit = self._route(half).risk
-
-        def weigh(risk: FloatArray, duration: FloatArray) -> FloatArray:
-            return np.where(risk <= limit, duration, math.inf)
-
-        fastest = LazySearch(self.edges, weigh)
-        fastest.update(self.starts)
+        fastest = FastestSearch(self.edges, self._route(half).risk)
+        fastest.update(self.goals)
         better = self._path(fastest, stop)
         return self._route(half if better is None else better)
 
@@ -232,13 +227,13 @@ class Roadmap:
         def evaluate(numbers: Integers, tail: Integers, head: Integers) -> None:
             self._evaluate(numbers, tail, head, stop)
 
-        return search.path(self.goals, evaluate, stop)
+        return search.path(self.starts, evaluate, stop)
 
     def _route(self, half: NDArray[np.int64]) -> Route:
         source = int(np.searchsorted(self.edges.first, half[0], side="right")) - 1
         vertices = np.append(np.int32(source), self.edges.target[half])
         numbers = self.edges.edge[half]
-        risk = self.risk.combine(self.edges.risk[numbers])
+        risk = self.risk.combine(self.edges.risk(numbers))
         return self.route(vertices, float(self.edges.duration[numbers].sum()), risk)
 
     def route(self, vertices: Integers, duration: float, risk: float) -> Route:
@@ -258,20 +253,18 @@ class Roadmap:
             risk = np.full(len(a), math.inf)
             allowed = self.gate.allows_motions(a, b)
             risk[allowed] = self.motions.costs(a[allowed], b[allowed])
-            self.edges.risk[numbers[part]] = risk
-            self.edges.known[numbers[part]] = True
+            self.edges.evaluated(numbers[part], risk)
             self.evaluated += len(a)
 
     def _parts(self, n: int, stop: Stop) -> Iterable[slice]:
         """Compiled work is quick enough to be done in one go."""
         return [slice(0, n)] if self.compiled else self._portions.of(n, stop)
 
-    def _weigh(self, risk: FloatArray, duration: FloatArray) -> FloatArray:
-        return risk if self.maximum else risk + self._time_weight * duration
-
     @property
     def _time_weight(self) -> float:
         """The weight of time, or a tie-break among ways of equal risk that changes no digit."""
+        if self.maximum:
+            return 0.0
         return self.risk.weight or 1e-12 * self.risk.avoidance.d0**-self.risk.exponent
 
     def graph(self) -> Graph:

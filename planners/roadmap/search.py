@@ -13,105 +13,113 @@ from ompl_risk._kernels import graph as kernels
 from ompl_risk.planners.roadmap.edges import Edges
 from ompl_risk.planners.roadmap.graph import Integers, Tree
 
-Weigh = Callable[[FloatArray, FloatArray], FloatArray]
-"""From risks and durations of edges to their weights; it may not fall as the risk rises."""
-
 Evaluate = Callable[[Integers, Integers, Integers], None]
-"""Evaluates edges, given with the vertices at their tails and heads."""
+"""Evaluates edges, given with the vertices at their tails and heads; perhaps not all of them."""
 
 
 class LazySearch:
-    """A tree of shortest paths by weights that are lower bounds until an edge matters.
+    """Shortest paths by weights that are lower bounds until an edge matters.
 
-    The shortest path by bounds is looked up, its edges that are only bounded are evaluated, and the
-    tree is repaired where they turn out dearer; until a shortest path is all exact. No other path
-    is shorter then, however few edges were evaluated.
+    The shortest path by bounds is looked up, and its edges that are only bounded are evaluated;
+    again, until a shortest path is all exact. No other path is shorter then, however few edges
+    were evaluated. What makes the look-ups quick is the tree of shortest ways to the goals: as
+    weights only rise, its distances stay lower bounds, and guide A* along little more than the
+    path. Edges that are added later can only shorten them, which is repaired.
 
     Reference: Dellin & Srinivasa, A unifying formalism for shortest path problems with expensive
     edge evaluations via lazy best-first search, ICAPS 2016 (LazySP, forward selector).
 
     Args:
         edges: of the roadmap.
-        weigh: weights of edges.
         maximum: whether a path is as long as its longest edge.
+
+    Attributes:
+        rest: lower bounds for the way from each vertex to a goal, shape (n,).
+        reached: after a search in vain, how many vertices can be reached from the roots.
     """
 
-    def __init__(self, edges: Edges, weigh: Weigh, *, maximum: bool = False) -> None:
-        self._edges, self._weigh, self._maximum = edges, weigh, maximum
-        self._weight = np.empty(0)
-        self._first = np.zeros(1, np.int64)
-        self._roots: list[int] = []
-        self.tree = Tree(np.empty(0), np.empty(0, np.int32), np.empty(0, np.int64))
+    def __init__(self, edges: Edges, *, maximum: bool = False) -> None:
+        self._edges, self._maximum = edges, maximum
+        self._rows = np.zeros(1, np.int64)
+        self._goals: list[int] = []
+        self._fresh = 0
+        self.reached = 0
+        self.rest: FloatArray = np.empty(0)
 
-    @property
-    def nbytes(self) -> int:
-        """Memory of tree and weights."""
-        tree = self.tree
-        return sum(x.nbytes for x in (self._weight, tree.distance, tree.parent, tree.via))
+    def weight(self) -> FloatArray:
+        """Weights of the edges, shape (m,)."""
+        return self._edges.weight
 
-    def update(self, roots: Sequence[int]) -> None:
-        """Take in edges and roots that have been added since the last time."""
-        edges, old = self._edges, self.tree
-        n, n_old, m_old = len(edges.first) - 1, len(old.distance), len(self._weight)
-        added = slice(m_old, edges.m)
-        new_weights = self._weigh(edges.risk[added], edges.duration[added])
-        self._weight = np.concatenate([self._weight, new_weights])
-        parent = np.concatenate([old.parent, np.full(n - n_old, -1, np.int32)])
-        distance = np.concatenate([old.distance, np.full(n - n_old, math.inf)])
-        via = np.full(n, -1, np.int64)
-        child = np.flatnonzero(parent >= 0)
-        # Old half-edges stand at the beginning of the new rows, in the old order.
-        shift = edges.first[parent[child]] - self._first[parent[child]]
-        via[child] = old.via[child] + shift
-        self.tree = Tree(distance, parent, via)
-        distance[[root for root in roots if root not in self._roots]] = 0.0
-        self._roots, self._first = list(roots), edges.first
-        self._relax(np.unique(edges.source[edges.edge >= m_old]), roots)
-
-    def _relax(self, seeds: Integers, roots: Sequence[int]) -> None:
-        edges, tree = self._edges, self.tree
-        seeds = np.union1d(seeds, np.array(roots, np.int32)).astype(np.int32)
+    def update(self, goals: Sequence[int]) -> None:
+        """Take in vertices, their edges, and goals that have been added since the last time."""
+        n, n_old = len(self._edges.first) - 1, len(self.rest)
+        if n > 2 * self._fresh:  # bounds that have been raised since are not in the tree: anew
+            n_old, self._fresh, self._goals = 0, n, []
+        self.rest = np.concatenate([self.rest[:n_old], np.full(n - n_old, math.inf)])
+        self.rest[[goal for goal in goals if goal not in self._goals]] = 0.0
+        longer = np.diff(self._edges.first)
+        longer[:n_old] -= np.diff(self._rows)[:n_old]
+        seeds = np.flatnonzero((longer > 0) & np.isfinite(self.rest))
+        self._goals, self._rows = list(goals), self._edges.first
         kernels.shortest_paths(
-            edges.first, edges.target, edges.edge, self._weight,
-            seeds[np.isfinite(tree.distance[seeds])], self._maximum,
-            tree.distance, tree.parent, tree.via,
+            *self._edges.backward, self.weight(), seeds.astype(np.int32), self._maximum,
+            self.rest, np.empty(n, np.int32), np.empty(n, np.int64),
         )  # fmt: skip
 
     def path(
-        self, goals: Sequence[int], evaluate: Evaluate, stop: Callable[[], bool]
+        self, roots: Sequence[int], evaluate: Evaluate, stop: Callable[[], bool]
     ) -> NDArray[np.int64] | None:
         """Half-edges of a shortest path from a root to a goal, all of them evaluated.
 
         Returns:
             None if there is no path, or if ``stop`` says so before it is found.
         """
+        n = len(self.rest)
+        tree = Tree(np.empty(n), np.empty(n, np.int32), np.empty(n, np.int64))
+        ends = np.array(roots, np.int32), np.array(self._goals, np.int32)
         while not stop():
-            distances = self.tree.distance[list(goals)]
-            goal = goals[int(np.argmin(distances))]
-            if not math.isfinite(distances.min()):
+            goal = kernels.guided_path(
+                *self._edges.rows, self.weight(), self.rest, *ends, self._maximum,
+                tree.distance, tree.parent, tree.via,
+            )  # fmt: skip
+            if goal < 0:
+                self.reached = int(np.isfinite(tree.distance).sum())
                 return None
-            half = self.tree.half_edges(goal)
-            doubtful = half[~self._edges.known[self._edges.edge[half]]]
-            if not len(doubtful):
+            half, vertices = tree.half_edges(goal), tree.vertices(goal)
+            numbers = self._edges.edge[half]
+            open_ = np.flatnonzero(~self._edges.known[numbers])
+            if not len(open_):
                 return half
-            self._settle(self.tree.vertices(goal), half, evaluate)
+            evaluate(numbers[open_], vertices[open_], vertices[open_ + 1])
+            self._refresh(numbers[open_])
         return None
 
-    def _settle(
-        self, vertices: Integers, half_edges: NDArray[np.int64], evaluate: Evaluate
-    ) -> None:
-        """Evaluate the edges of a path that are only bounded, and repair the tree."""
-        edges = self._edges
-        numbers = edges.edge[half_edges]
-        open_ = np.flatnonzero(~edges.known[numbers])
-        evaluate(numbers[open_], vertices[open_], vertices[open_ + 1])
-        open_ = open_[edges.known[numbers[open_]]]  # evaluation may have been stopped half way
-        numbers = numbers[open_]
-        before = self._weight[numbers]
-        self._weight[numbers] = self._weigh(edges.risk[numbers], edges.duration[numbers])
-        raised = vertices[open_ + 1][self._weight[numbers] > before]
-        rows = edges.first, edges.target, edges.edge
-        kernels.repair_paths(
-            *rows, *edges.backward, self._weight, raised, self._maximum,
-            self.tree.distance, self.tree.parent, self.tree.via,
-        )  # fmt: skip
+    def _refresh(self, numbers: Integers) -> None:
+        """Take note of edges that have been evaluated."""
+
+    @property
+    def nbytes(self) -> int:
+        """Memory of the bounds."""
+        return self.rest.nbytes
+
+
+class FastestSearch(LazySearch):
+    """The fastest paths among those whose edges keep a limit of risk.
+
+    Args:
+        edges: of the roadmap, of a maximum norm.
+        limit: greatest risk of an edge.
+    """
+
+    def __init__(self, edges: Edges, limit: float) -> None:
+        super().__init__(edges)
+        self._limit = limit
+        self._weight = np.where(edges.risk() <= limit, edges.duration, math.inf)
+
+    def weight(self) -> FloatArray:
+        """Durations of the edges, inf beyond the limit, shape (m,)."""
+        return self._weight
+
+    def _refresh(self, numbers: Integers) -> None:
+        within = self._edges.risk(numbers) <= self._limit
+        self._weight[numbers] = np.where(within, self._edges.duration[numbers], math.inf)

@@ -11,7 +11,7 @@ from scipy.sparse.csgraph import dijkstra
 
 from ompl_risk._kernels import graph as kernels
 from ompl_risk.errors import ArgumentError
-from ompl_risk.planners.roadmap.graph import Graph, no_rows
+from ompl_risk.planners.roadmap.graph import Graph, Tree, no_rows
 
 
 def random_graph(seed, *, undirected=True, n=30, m=80):
@@ -76,29 +76,48 @@ def test_a_maximum_tree_minimises_the_longest_edge():
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10**6), st.booleans(), st.booleans())
-def test_repaired_paths_are_as_short_as_new_ones(seed, undirected, maximum):
+def test_guided_paths_are_shortest_after_weights_have_risen(seed, undirected, maximum):
     graph, _ = random_graph(seed, undirected=undirected)
     rng = np.random.default_rng(seed)
     weight = graph.duration.copy()
-    tree = graph.tree([0, 1], weight, maximum=maximum)
-    back = graph.reverse
+    roots, goals = np.array([0, 1], np.int32), np.array([7, 8, 9], np.int32)
+    rest = graph.reverse.tree(goals, weight, maximum=maximum).distance
+    n = graph.n
+    work = np.empty(n), np.empty(n, np.int32), np.empty(n, np.int64)
     for _ in range(6):
-        raised_edges = rng.integers(0, graph.m, 4)
-        weight[raised_edges] = np.where(
-            rng.random(4) < 0.3, math.inf, weight[raised_edges] + rng.integers(0, 4, 4)
+        goal = kernels.guided_path(
+            graph.first, graph.target, graph.edge, weight, rest, roots, goals, maximum, *work
         )
-        on_tree = np.flatnonzero(tree.via >= 0)
-        raised = on_tree[np.isin(graph.edge[tree.via[on_tree]], raised_edges)].astype(np.int32)
-        kernels.repair_paths(
-            graph.first, graph.target, graph.edge, back.first, back.target, weight, raised, maximum,
-            tree.distance, tree.parent, tree.via,
-        )  # fmt: skip
-        anew = graph.tree([0, 1], weight, maximum=maximum)
-        np.testing.assert_array_equal(tree.distance, anew.distance)
-        for end in np.flatnonzero(np.isfinite(tree.distance)):
-            lengths = weight[graph.edge[tree.half_edges(end)]]
-            total = lengths.max(initial=0.0) if maximum else lengths.sum()
-            assert total == tree.distance[end]
+        distances = graph.tree(roots, weight, maximum=maximum).distance[goals]
+        if goal < 0:
+            assert np.isinf(distances).all()
+            return
+        assert goal in goals
+        half = Tree(*work).half_edges(goal)
+        lengths = weight[graph.edge[half]]
+        assert (lengths.max(initial=0.0) if maximum else lengths.sum()) == distances.min()
+        way = graph.way(int(Tree(*work).vertices(goal)[0]), half)
+        assert way.vertices[0] in roots
+        assert way.vertices[-1] == goal
+        raised = np.concatenate([way.edges, rng.integers(0, graph.m, 4)])
+        more = rng.integers(0, 4, len(raised))
+        weight[raised] = np.where(rng.random(len(raised)) < 0.2, math.inf, weight[raised] + more)
+
+
+@settings(max_examples=40, deadline=None)
+@given(st.integers(0, 10**6), st.booleans(), st.booleans())
+def test_paths_are_repaired_when_edges_are_added(seed, undirected, maximum):
+    graph, ends = random_graph(seed, undirected=undirected)
+    new = np.random.default_rng(seed).random(graph.m) < 0.3
+    weight = np.where(new, math.inf, graph.duration)
+    tree = graph.tree(0, weight, maximum=maximum)
+    seeds = np.unique(ends[new]).astype(np.int32)
+    kernels.shortest_paths(
+        graph.first, graph.target, graph.edge, graph.duration,
+        seeds[np.isfinite(tree.distance[seeds])], maximum, tree.distance, tree.parent, tree.via,
+    )  # fmt: skip
+    anew = graph.tree(0, graph.duration, maximum=maximum)
+    np.testing.assert_array_equal(tree.distance, anew.distance)
 
 
 def test_edges_added_later_give_the_graph_of_all_edges():

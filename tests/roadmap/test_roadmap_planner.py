@@ -456,7 +456,7 @@ def test_it_runs_in_ompls_benchmark():
     scene = Scene().usual()
     benchmark = ot.Benchmark(scene.setup, "roadmap")
     benchmark.addPlanner(RiskRoadmap(scene.si))
-    benchmark.benchmark(ot.Request(0.2, 4096.0, 2, 0.05, False, True, False))
+    benchmark.benchmark(ot.Request(0.2, 4096.0, 2, 0.05, False, False, False))
     runs = benchmark.getRecordedExperimentData().planners[0].runs
     assert len(runs) == 2
 
