@@ -21,8 +21,8 @@ FIRST_SLOW = 200
 GROWTH = 0.5
 """States sampled after that, as a share of those there are."""
 
-LIMIT = 1_000_000
-"""Vertices at which growing ends, for the sake of memory."""
+LIMIT = 2_000_000
+"""States sampled before growing ends of itself, for the sake of memory."""
 
 Stop = Callable[[], bool]
 Polish = Callable[[FloatArray], FloatArray]
@@ -47,7 +47,7 @@ class Progress(NamedTuple):
     evaluated: int
 
 
-class Improvement:
+class Growing:
     """What a planner does until it is stopped, or nothing is left to gain.
 
     Args:
@@ -55,6 +55,7 @@ class Improvement:
         polish: local improvement of a path; none if left out.
         enough: whether a cost satisfies, so that work may end.
         seconds: spent before, for the history.
+        samples: states to sample at most; no limit if left out.
         history: where a row for each better path is added.
 
     Attributes:
@@ -68,11 +69,13 @@ class Improvement:
         polish: Polish | None = None,
         enough: Callable[[float], bool] = lambda _cost: False,
         seconds: float = 0.0,
+        samples: int | None = None,
         history: list[Progress] | None = None,
     ) -> None:
         self._roadmap, self._polish, self._enough = roadmap, polish, enough
         self._begin = time.monotonic() - seconds
         self._first = FIRST if roadmap.compiled else FIRST_SLOW
+        self._left = LIMIT if samples is None else samples
         self._history = [] if history is None else history
         self.more_goals: deque[FloatArray] = deque()
 
@@ -86,14 +89,16 @@ class Improvement:
         self._look(stop)
         while not stop() and not self._finished():
             self._add_goals()
-            self._roadmap.grow(max(self._first, int(GROWTH * self._roadmap.n)), stop)
+            size = min(max(self._first, int(GROWTH * self._roadmap.n)), self._left)
+            self._left -= size
+            self._roadmap.grow(size, stop)
             self._look(stop)
 
     def _finished(self) -> bool:
         roadmap = self._roadmap
         if roadmap.best is not None and self._enough(roadmap.best.cost):
             return True
-        return roadmap.nothing_to_gain() or roadmap.n >= LIMIT
+        return roadmap.nothing_to_gain() or self._left <= 0
 
     def _add_goals(self) -> None:
         while self.more_goals:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import math
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import numpy as np
@@ -11,16 +12,24 @@ from ompl import base as ob
 from ompl_risk._arrays import FloatArray
 from ompl_risk.bridge.conditions import after
 from ompl_risk.bridge.states import StateReader
+from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.threads import thread_count
-from ompl_risk.errors import ArgumentError
+from ompl_risk.errors import ArgumentError, PlanningError
 from ompl_risk.motion.steering import Steering
-from ompl_risk.planners.roadmap.anytime import Improvement, Progress
+from ompl_risk.planners.roadmap.anytime import Growing, Polish, Progress
+from ompl_risk.planners.roadmap.exploring import (
+    PRECISION,
+    Front,
+    alternative_routes,
+    pareto_routes,
+)
 from ompl_risk.planners.roadmap.goals import GoalSource
 from ompl_risk.planners.roadmap.publishing import add_solutions, to_path
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.planners.roadmap.setting import Setting, read_setting
 from ompl_risk.planners.roadmap.warming import warm_up
 from ompl_risk.planners.roadmap.worker import Worker
+from ompl_risk.planners.sides import Sides
 
 
 class RiskRoadmap(ob.Planner):
@@ -41,10 +50,12 @@ class RiskRoadmap(ob.Planner):
         seed: of the samples. The same seed gives the same batches; how many of them depends on the
             time.
         steering: how vertices are connected; straight at the objective's speed if left out.
+        iterations: states to sample in a call of ``solve``; no limit if left out. Runs with the
+            same limit and seed, and enough time, give the same path.
         threads: of compiled code; ``None`` uses all processors.
 
     Raises:
-        ArgumentError: a seed or a number of threads out of range.
+        ArgumentError: a seed, or a number of iterations or threads, out of range.
 
     Attributes:
         history: a row for each better path: seconds, cost, vertices, edges, evaluated.
@@ -68,13 +79,17 @@ class RiskRoadmap(ob.Planner):
         *,
         seed: int = 1,
         steering: Steering | None = None,
+        iterations: int | None = None,
         threads: int | None = None,
     ) -> None:
         super().__init__(si, "RiskRoadmap")
         if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
             raise ArgumentError("seed", seed, "a whole number of at least 0")
+        if iterations is not None and (isinstance(iterations, bool) or iterations < 1):
+            raise ArgumentError("iterations", iterations, "None or a whole number from 1")
         thread_count(threads)
         self._seed, self._steering, self._threads = seed, steering, threads
+        self._iterations = iterations
         self._setting: Setting | None = None
         self._roadmap: Roadmap | None = None
         self._worker: Worker | None = None
@@ -132,11 +147,12 @@ class RiskRoadmap(ob.Planner):
         wrong = self._read_ends(roadmap, goals)
         if wrong is not None:
             return ob.PlannerStatus(wrong)
-        work = Improvement(
+        work = Growing(
             roadmap,
             polish=self._polish(),
             enough=self._satisfied(),
             seconds=self._seconds,
+            samples=self._iterations,
             history=self.history,
         )
         self._worker = Worker(work, abandon=roadmap.compiled)
@@ -146,7 +162,7 @@ class RiskRoadmap(ob.Planner):
             self._conclude(roadmap, work)
         return ob.PlannerStatus(roadmap.best is not None, False)
 
-    def _conclude(self, roadmap: Roadmap, work: Improvement) -> None:
+    def _conclude(self, roadmap: Roadmap, work: Growing) -> None:
         """Publish the best path, keep the history."""
         best = roadmap.best
         self._seconds = work.seconds
@@ -159,7 +175,43 @@ class RiskRoadmap(ob.Planner):
         self.reason = ""
         self.publish([best])
 
-    def publish(self, routes: list[Route]) -> None:
+    def alternatives(
+        self, count: int = 20, *, excess: float = 0.05, min_distance: float | None = None
+    ) -> tuple[Route, ...]:
+        """Routes of nearly the same duration that really differ, see ``alternative_routes``.
+
+        Over a ``TerrainClearance``, passing a peak that is too high to cross on its other side is a
+        difference, however near.
+
+        Raises:
+            PlanningError: before a problem has been given to ``solve``.
+        """
+        return alternative_routes(
+            self._planned(), count, excess=excess, min_distance=min_distance, sides=self._sides()
+        )
+
+    def pareto(self, *, longest: float = math.inf, precision: float = PRECISION) -> Front:
+        """The routes that no other undercuts in both duration and risk, see ``pareto_routes``.
+
+        Raises:
+            PlanningError: before a problem has been given to ``solve``.
+        """
+        return pareto_routes(self._planned(), longest=longest, precision=precision)
+
+    def _planned(self) -> Roadmap:
+        roadmap = self.roadmap
+        if roadmap is None or not roadmap.starts:
+            raise PlanningError("there is no roadmap yet", "call solve first")
+        return roadmap
+
+    def _sides(self) -> Sides | None:
+        setting = self._setting
+        if setting is None or not isinstance(setting.obstacles, TerrainClearance):
+            return None
+        terrain, region = setting.obstacles.terrain, setting.region
+        return Sides.of_terrain(terrain, region.low, region.high, radius=setting.obstacles.radius)
+
+    def publish(self, routes: Sequence[Route]) -> None:
         """Make routes OMPL's solutions: the first exact, the others approximate, in their order.
 
         A better exact solution of another planner that is there already stays first.
@@ -208,8 +260,12 @@ class RiskRoadmap(ob.Planner):
             return goals.status
         return None
 
-    def _polish(self) -> Callable[[FloatArray], FloatArray] | None:
-        return None
+    def _polish(self) -> Polish | None:
+        if self._setting is None:
+            return None
+        if self._iterations is not None:  # no clock may have a say in the result
+            return self._setting.polish(math.inf)
+        return self._setting.polish()
 
     def _satisfied(self) -> Callable[[float], bool]:
         """Whether a cost is below the objective's threshold."""

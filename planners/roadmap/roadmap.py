@@ -17,7 +17,7 @@ from ompl_risk.planners.roadmap.graph import Graph, Integers
 from ompl_risk.planners.roadmap.neighbours import new_pairs
 from ompl_risk.planners.roadmap.portions import Portions
 from ompl_risk.planners.roadmap.region import Region
-from ompl_risk.planners.roadmap.search import FastestSearch, LazySearch
+from ompl_risk.planners.roadmap.search import LazySearch, ReweighedSearch, Weigh, duration_within
 
 Stop = Callable[[], bool]
 
@@ -206,7 +206,7 @@ class Roadmap:
         numbers = np.arange(self.edges.m, self.edges.m + len(tail), dtype=np.int32)
         duration = self.motions.durations(self.states[tail], self.states[head])
         self.edges.add(self.n, tail, head, risk=np.zeros(len(tail)), duration=duration)
-        self._evaluate(numbers, tail, head, never)
+        self.evaluate(numbers, tail, head)
 
     def search(self, stop: Stop = never) -> Route | None:
         """The least costly path through the roadmap, the fastest of equals.
@@ -215,19 +215,33 @@ class Roadmap:
             The path; None if there is none, or ``stop`` said so first.
         """
         self._search.update(self.goals)
-        half = self._path(self._search, stop)
-        if half is None or not self.maximum:
-            return None if half is None else self._route(half)
-        fastest = FastestSearch(self.edges, self._route(half).risk)
-        fastest.update(self.goals)
-        better = self._path(fastest, stop)
-        return self._route(half if better is None else better)
+        best = self._path(self._search, stop)
+        if best is None or not self.maximum:
+            return best
+        return self._path_by(duration_within(best.risk), stop) or best
 
-    def _path(self, search: LazySearch, stop: Stop) -> NDArray[np.int64] | None:
+    def fastest(self, stop: Stop = never) -> Route | None:
+        """The fastest path through the roadmap, whatever its risk; None as in ``search``."""
+        return self._path_by(duration_within(math.inf), stop)
+
+    def safest(self, stop: Stop = never) -> Route | None:
+        """The path of least risk, whatever its duration; None as in ``search``."""
+        if self.maximum:
+            return self.search(stop)
+        tie_break = self._tie_break
+        return self._path_by(lambda risk, duration: risk + tie_break * duration, stop)
+
+    def _path_by(self, weigh: Weigh, stop: Stop) -> Route | None:
+        search = ReweighedSearch(self.edges, weigh)
+        search.update(self.goals)
+        return self._path(search, stop)
+
+    def _path(self, search: LazySearch, stop: Stop) -> Route | None:
         def evaluate(numbers: Integers, tail: Integers, head: Integers) -> None:
-            self._evaluate(numbers, tail, head, stop)
+            self.evaluate(numbers, tail, head, stop)
 
-        return search.path(self.starts, evaluate, stop)
+        half = search.path(self.starts, evaluate, stop)
+        return None if half is None else self._route(half)
 
     def _route(self, half: NDArray[np.int64]) -> Route:
         source = int(np.searchsorted(self.edges.first, half[0], side="right")) - 1
@@ -237,14 +251,16 @@ class Roadmap:
         return self.route(vertices, float(self.edges.duration[numbers].sum()), risk)
 
     def route(self, vertices: Integers, duration: float, risk: float) -> Route:
-        """A path along vertices, with what steering puts between them."""
+        """A path along vertices, as a route: with what steering puts between them."""
         corners = self.states[vertices]
         pieces = [piece[1:] for piece in self.motions.samples(corners[:-1], corners[1:])]
         states = np.vstack([corners[:1], *pieces])
         cost = risk if self.maximum else risk + self.risk.weight * duration
         return Route(vertices, states, duration, risk, cost)
 
-    def _evaluate(self, numbers: Integers, tail: Integers, head: Integers, stop: Stop) -> None:
+    def evaluate(
+        self, numbers: Integers, tail: Integers, head: Integers, stop: Stop = never
+    ) -> None:
         """Find the exact risk of edges; of fewer if ``stop`` says so."""
         if self.edges.undirected:  # sampling makes a motion and its reverse differ in some digit
             tail, head = np.minimum(tail, head), np.maximum(tail, head)
@@ -265,7 +281,11 @@ class Roadmap:
         """The weight of time, or a tie-break among ways of equal risk that changes no digit."""
         if self.maximum:
             return 0.0
-        return self.risk.weight or 1e-12 * self.risk.avoidance.d0**-self.risk.exponent
+        return self.risk.weight or self._tie_break
+
+    @property
+    def _tie_break(self) -> float:
+        return 1e-12 * self.risk.avoidance.d0**-self.risk.exponent
 
     def graph(self) -> Graph:
         """The edges that have been evaluated."""

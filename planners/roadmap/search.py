@@ -16,6 +16,9 @@ from ompl_risk.planners.roadmap.graph import Integers, Tree
 Evaluate = Callable[[Integers, Integers, Integers], None]
 """Evaluates edges, given with the vertices at their tails and heads; perhaps not all of them."""
 
+Weigh = Callable[[FloatArray, FloatArray], FloatArray]
+"""From risks and durations of edges to their weights."""
+
 
 class LazySearch:
     """Shortest paths by weights that are lower bounds until an edge matters.
@@ -103,23 +106,32 @@ class LazySearch:
         return self.rest.nbytes
 
 
-class FastestSearch(LazySearch):
-    """The fastest paths among those whose edges keep a limit of risk.
+class ReweighedSearch(LazySearch):
+    """The same by other weights than the roadmap's own.
 
     Args:
-        edges: of the roadmap, of a maximum norm.
-        limit: greatest risk of an edge.
+        edges: of the roadmap.
+        weigh: weights of edges from their risks and durations; they may not fall as risks rise.
     """
 
-    def __init__(self, edges: Edges, limit: float) -> None:
+    def __init__(self, edges: Edges, weigh: Weigh) -> None:
         super().__init__(edges)
-        self._limit = limit
-        self._weight = np.where(edges.risk() <= limit, edges.duration, math.inf)
+        self._weigh = weigh
+        self._weight = weigh(edges.risk(), edges.duration)
 
     def weight(self) -> FloatArray:
-        """Durations of the edges, inf beyond the limit, shape (m,)."""
+        """Weights of the edges, shape (m,)."""
         return self._weight
 
     def _refresh(self, numbers: Integers) -> None:
-        within = self._edges.risk(numbers) <= self._limit
-        self._weight[numbers] = np.where(within, self._edges.duration[numbers], math.inf)
+        risk, duration = self._edges.risk(numbers), self._edges.duration[numbers]
+        self._weight[numbers] = self._weigh(risk, duration)
+
+
+def duration_within(limit: float) -> Weigh:
+    """Weighs edges by their duration, and leaves those out whose risk exceeds a limit."""
+
+    def weigh(risk: FloatArray, duration: FloatArray) -> FloatArray:
+        return np.where((risk <= limit) & np.isfinite(risk), duration, math.inf)
+
+    return weigh

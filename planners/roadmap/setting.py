@@ -18,11 +18,19 @@ from ompl_risk.motion import MotionBatch, Risk, motion_batch
 from ompl_risk.motion.length import LengthBatch
 from ompl_risk.motion.steering import Steering
 from ompl_risk.norms import Lp
+from ompl_risk.planners.improve import refine
+from ompl_risk.planners.roadmap.anytime import Polish
 from ompl_risk.planners.roadmap.gate import ClearanceGate, Flags, Gate, OpenGate
 from ompl_risk.planners.roadmap.region import Region
 
 LENGTH = Risk(norm=Lp(1), speed=1.0, duration_weight=1.0)
 """How the length of a path is counted: no risk, and a second for every metre."""
+
+POLISH = 0.1
+"""Seconds that the refinement of a path takes: most of what can be gained is gained by then."""
+
+LONGER = 1.5
+"""How much longer a refined path may be: in the objective time has its own weight."""
 
 TURN = 0.5
 """What turning by a radian counts in metres at least: as in OMPL's own distance in SE(3)."""
@@ -39,6 +47,7 @@ class Setting:
         gate: what is allowed besides what has a finite risk.
         clearance: of the objective; None if it minimises the length.
         obstacles: a clearance that paths keep positive; None if OMPL's own checker decides.
+        straight: whether vertices are connected by straight motions.
     """
 
     region: Region
@@ -47,6 +56,31 @@ class Setting:
     gate: Gate
     clearance: Any
     obstacles: Any
+    straight: bool
+
+    def polish(self, seconds: float = POLISH) -> Polish | None:
+        """Local refinement of paths; None where it would be too slow, or bend what steering gives.
+
+        Args:
+            seconds: computing time for a path [s], about.
+        """
+        compiled = self.motions.compiled and self.gate.compiled
+        if self.clearance is None or not (compiled and self.straight) or self.region.posed:
+            return None
+
+        def polish(states: FloatArray) -> FloatArray:
+            return refine(
+                states,
+                clearance=self.clearance,
+                risk=self.risk,
+                obstacles=self.obstacles,
+                low=self.region.low,
+                high=self.region.high,
+                longest=LONGER * float(self.motions.durations(states[:-1], states[1:]).sum()),
+                seconds=min(seconds, 1e9),
+            ).positions
+
+        return polish
 
 
 def read_setting(
@@ -93,7 +127,7 @@ def read_setting(
         gate = CheckerGate(si, region.width)
     elif obstacles is not None and not _same(obstacles, clearance):
         gate = ClearanceGate(motion_batch(obstacles, Risk(speed=1.0), width, threads=threads))
-    return Setting(region, motions, risk, gate, clearance, obstacles)
+    return Setting(region, motions, risk, gate, clearance, obstacles, steering is None)
 
 
 class CheckerGate(Gate):
