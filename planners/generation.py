@@ -1,131 +1,153 @@
-"""Many tasks in worker processes, their candidates as they arrive."""
+"""Many tasks, their candidates as they arrive."""
 
 from __future__ import annotations
 
-import pickle
-import signal
-import tempfile
-from collections.abc import Callable, Iterator, Sequence
-from functools import lru_cache
-from pathlib import Path
+import math
+import time
+from collections.abc import Callable, Generator, Sequence
+from contextlib import closing
+from dataclasses import replace
+from pickle import PicklingError
 from typing import Any
 
-from ompl_risk.errors import ArgumentError
+from ompl_risk._arrays import positive
+from ompl_risk.planners.engines import Crew, Death, Engine, Jobs, Outcomes, engine_of
 from ompl_risk.planners.problem import Problem
 from ompl_risk.planners.task import Candidate, Status, Task
 
 OnDone = Callable[[Candidate], object]
+
+SUSPECTS = 2
+"""Tasks for each worker that are tried alone after a death."""
 
 
 def candidates(
     problem: Problem,
     tasks: Sequence[Task],
     *,
-    workers: int = 1,
+    workers: int | None = 1,
+    engine: str | Engine = "loky",
+    total_time: float | None = None,
     on_done: OnDone | None = None,
+    **options: Any,
 ) -> list[Candidate]:
     """Run all tasks.
 
-    A task that raises gives a candidate that tells so. A worker process that dies does too, and
-    the other tasks go on in a new one. After Ctrl-C the workers are stopped, and what `on_done` has
-    been called with is what there is.
+    A task that raises gives a candidate that tells so. A worker process that dies does too, and so
+    does one that hangs, which is ended some time after the task's time limit; the other tasks go
+    on. After Ctrl-C the workers are stopped, and what `on_done` has been called with is what there
+    is.
 
     Args:
         problem: what to plan; sent to every worker once.
         tasks: what to run.
-        workers: number of processes; 1 plans in this process, where a crash of OMPL ends it.
+        workers: number of processes; 1 plans in this process, where a crash of OMPL ends it; None
+            uses all processors.
+        engine: where they run, see `engine_of`.
+        total_time: seconds for all tasks together [s]. Once they are over those that run are
+            stopped, and those left give candidates that say so. Makes the result depend on the
+            machine.
         on_done: called with each candidate as it arrives, in this process.
+        options: of the engine.
 
     Returns:
         A candidate for each task, in the order of `tasks`, whatever the order of arrival.
 
     Raises:
-        ArgumentError: less than one worker.
+        ArgumentError: an unknown engine, a problem that cannot be sent to workers, or a number out
+            of range.
+        ExtraError: the engine's package is not installed.
     """
-    if workers < 1:
-        raise ArgumentError("workers", workers, "a whole number of at least 1")
-    arriving = _here(problem, tasks) if workers == 1 else _elsewhere(problem, tasks, workers)
+    crew = engine_of(engine, workers, **options)
+    limit = math.inf if total_time is None else positive("total_time", total_time)
+    clock = _Clock(time.monotonic() + limit, limit)
     found: dict[int, Candidate] = {}
-    for index, candidate in arriving:
-        found[index] = candidate
-        if on_done is not None:
-            on_done(candidate)
+    with closing(_surviving(crew, problem, tasks, clock)) as arriving:
+        for index, candidate in arriving:
+            found[index] = replace(candidate, task=tasks[index])
+            if on_done is not None:
+                on_done(found[index])
     return [found[index] for index in range(len(tasks))]
 
 
-def _here(problem: Problem, tasks: Sequence[Task]) -> Iterator[tuple[int, Candidate]]:
-    from ompl_risk.planners.solving import solve_task
+class _Clock:
+    """The time for all tasks together."""
 
-    for index, task in enumerate(tasks):
-        yield index, solve_task(problem, task)
+    def __init__(self, end: float, limit: float) -> None:
+        self._end, self._limit = end, limit
+
+    @property
+    def left(self) -> float:
+        """Seconds until it is over."""
+        return self._end - time.monotonic()
+
+    def jobs(self, tasks: dict[int, Task]) -> Jobs:
+        """Tasks as long as there is time, none of them with more time than there is."""
+        for index, task in tasks.items():
+            if (left := self.left) <= 0.0:
+                return
+            yield index, task if task.time_limit <= left else replace(task, time_limit=left)
+
+    def late(self, task: Task) -> Candidate:
+        """What is said of a task that was not started."""
+        reason = f"the {self._limit:g} s for all tasks were over"
+        return Candidate(task, Status.NOT_STARTED, reason=reason, timed_out=True)
 
 
-def _elsewhere(
-    problem: Problem, tasks: Sequence[Task], workers: int
-) -> Iterator[tuple[int, Candidate]]:
-    """As `_here`, in processes; survives their death.
+def _surviving(
+    engine: Engine, problem: Problem, tasks: Sequence[Task], clock: _Clock
+) -> Generator[tuple[int, Candidate], None, None]:
+    """Candidates as they arrive, though workers die.
 
-    When a worker dies, joblib gives up and does not say over which task. Those that may have been
-    running are then tried one at a time, which finds the culprit; the others go on as before.
+    A death may take along what else its worker had to do, and most engines give up and do not even
+    say over which task. So those that may be to blame are tried again, one at a time, which finds
+    the culprit; the others go on as before.
     """
-    with tempfile.TemporaryDirectory(prefix="ompl-risk-") as folder:
-        path = Path(folder) / "problem.pickle"
-        path.write_bytes(pickle.dumps(problem))
-        left = dict(enumerate(tasks))
-        suspects: list[int] = []
-        while left:
-            batch = [suspects.pop(0)] if suspects else list(left)
-            alone = len(batch) == 1
-            try:
-                for index, candidate in _parallel(path, {i: left[i] for i in batch}, workers):
-                    del left[index]
-                    yield index, candidate
-            except _worker_died() as error:
-                if alone:
-                    yield batch[0], _dead(left.pop(batch[0]), error)
-                else:
-                    suspects = [i for i in batch if i in left][: 2 * workers]
+    left = dict(enumerate(tasks))
+    suspects: list[int] = []
+    if not left:
+        return
+    with engine.crew(problem) as crew:
+        while left and clock.left > 0.0:
+            batch = {i: left[i] for i in ([suspects.pop(0)] if suspects else left)}
+            begin = time.monotonic()
+            with closing(_round(engine, crew, batch, clock)) as outcomes:
+                for index, outcome in outcomes:
+                    if isinstance(outcome, Candidate):
+                        del left[index]
+                        yield index, outcome
+                    elif len(batch) == 1:
+                        seconds = time.monotonic() - begin
+                        yield index, _dead(left.pop(index), outcome.error, seconds, engine.grace)
+                    else:
+                        suspects.append(index)
+    yield from ((index, clock.late(task)) for index, task in left.items())
 
 
-def _parallel(path: Path, tasks: dict[int, Task], workers: int) -> Iterator[tuple[int, Candidate]]:
-    from joblib import Parallel, delayed, parallel_config
-
-    options: dict[str, Any] = {"batch_size": 1, "pre_dispatch": workers}
-    # "loky" starts fresh interpreters: a forked OMPL would share its state with this process.
-    with parallel_config(backend="loky", inner_max_num_threads=1):
-        pool = Parallel(
-            n_jobs=max(2, workers),  # with 1 joblib would plan in this process
-            return_as="generator_unordered",
-            **options,
-        )
-        jobs = (delayed(_work)(str(path), index, task) for index, task in tasks.items())
-        results: Any = pool(jobs)
-        yield from results
+def _round(engine: Engine, crew: Crew, tasks: dict[int, Task], clock: _Clock) -> Outcomes:
+    """Candidates, and a `Death` for each task that may be to blame for one."""
+    left = dict(tasks)
+    try:
+        with closing(crew.run(clock.jobs(tasks))) as outcomes:
+            for index, outcome in outcomes:
+                del left[index]
+                yield index, outcome
+    except engine.deaths as error:
+        for index in list(left)[: SUSPECTS * crew.size]:
+            yield index, Death(error)
 
 
-def _work(path: str, index: int, task: Task) -> tuple[int, Candidate]:
-    from ompl_risk.planners.solving import solve_task
-
-    signal.signal(signal.SIGINT, signal.SIG_IGN)  # Ctrl-C is the parent's business
-    return index, solve_task(_problem(path), task)
-
-
-@lru_cache(maxsize=1)
-def _problem(path: str) -> Problem:
-    """The problem, which a worker reads once: a large terrain takes seconds to prepare."""
-    return pickle.loads(Path(path).read_bytes())
+def _dead(task: Task, error: BaseException, seconds: float, grace: float) -> Candidate:
+    late = seconds > task.time_limit + grace
+    reason = f"the worker process died: {_first(error)}"
+    if isinstance(error, PicklingError):
+        reason = f"the task cannot be sent to a worker: {_first(error)}"
+    elif late:
+        reason = f"it hung: its process was ended {grace:g} s after its time limit, or died by then"
+    return Candidate(task, Status.FAILED, seconds=seconds, timed_out=late, reason=reason)
 
 
-def _worker_died() -> type[Exception]:
-    from joblib.externals.loky.process_executor import BrokenProcessPool
-
-    return BrokenProcessPool
-
-
-def _dead(task: Task, error: Exception) -> Candidate:
-    return Candidate(task, Status.FAILED, reason=f"the worker process died: {_first(error)}")
-
-
-def _first(error: Exception) -> str:
-    """The first sentence of joblib's explanation, which goes on for a paragraph."""
-    return str(error).strip().split(". ")[0].splitlines()[0]
+def _first(error: BaseException) -> str:
+    """The first sentence of an explanation that may go on for a paragraph."""
+    text = str(error).strip() or type(error).__name__
+    return text.split(". ")[0].splitlines()[0]

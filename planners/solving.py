@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+import threading
 import time
 import warnings
 from itertools import pairwise
@@ -17,16 +18,19 @@ from ompl_risk._arrays import FloatArray
 from ompl_risk.bridge import ClearanceMotionValidator, ClearanceValidityChecker
 from ompl_risk.errors import TrapWarning
 from ompl_risk.motion import Risk, motion_model
+from ompl_risk.planners.criteria import Length
+from ompl_risk.planners.methods import Heeds
 from ompl_risk.planners.problem import Problem
+from ompl_risk.planners.searching import Budget, search_of
 from ompl_risk.planners.shortcut import MotionCost, shortcut
 from ompl_risk.planners.task import Candidate, Status, Task
-from ompl_risk.trajectory import Trajectory
 
 
 def solve_task(problem: Problem, task: Task) -> Candidate:
     """Plan a candidate; the same problem and task give the same path.
 
-    OMPL's random numbers are seeded anew, for the whole process; its log is silent meanwhile.
+    OMPL's random numbers are seeded anew, for the whole process; its log is silent meanwhile. So
+    tasks of several threads wait for each other.
 
     Args:
         problem: what to plan.
@@ -36,6 +40,14 @@ def solve_task(problem: Problem, task: Task) -> Candidate:
         The candidate. An exception is no exception here but a candidate without a path, with the
         reason; only KeyboardInterrupt and the like pass through.
     """
+    with ONE_AT_A_TIME:
+        return _quietly(problem, task)
+
+
+ONE_AT_A_TIME = threading.RLock()
+
+
+def _quietly(problem: Problem, task: Task) -> Candidate:
     begin, log_level = time.monotonic(), ou.getLogLevel()
     ou.setLogLevel(ou.LOG_NONE)  # also hides the complaint about being seeded a second time
     try:
@@ -47,29 +59,6 @@ def solve_task(problem: Problem, task: Task) -> Candidate:
         return Candidate(task, Status.FAILED, seconds=time.monotonic() - begin, reason=reason)
     finally:
         ou.setLogLevel(log_level)
-
-
-class Budget:
-    """Counts how often a planner asks whether to stop, which it does once an iteration."""
-
-    CLOCK_EVERY = 64  # reading the clock each time would cost more than some iterations
-
-    def __init__(self, iterations: int, time_limit: float) -> None:
-        self.begin = time.monotonic()
-        self.used, self.timed_out = 0, False
-        self._iterations, self._end = iterations, self.begin + time_limit
-
-    def __call__(self) -> bool:
-        """Whether to stop."""
-        self.used += 1
-        if self.used % self.CLOCK_EVERY == 0 and time.monotonic() > self._end:
-            self.timed_out = True
-        return self.timed_out or self.used > self._iterations
-
-    @property
-    def seconds(self) -> float:
-        """Time since the start [s]."""
-        return time.monotonic() - self.begin
 
 
 def motion_cost(problem: Problem, risk: Risk | None) -> MotionCost:
@@ -91,19 +80,19 @@ def motion_cost(problem: Problem, risk: Risk | None) -> MotionCost:
 
 def _solve(problem: Problem, task: Task) -> Candidate:
     ou.RNG.setSeed(task.seed)
-    setup = _setup(problem, task)
-    budget = Budget(task.iterations, task.time_limit)
-    setup.solve(ob.PlannerTerminationCondition(budget))
-    facts: dict[str, Any] = {"iterations": budget.used - 1, "timed_out": budget.timed_out}
-    if not setup.haveExactSolutionPath():
-        reason = f"no path in {budget.used - 1} iterations"
+    method, setup = task.method, _setup(problem, task)
+    budget = Budget(math.inf if method.counts_itself else task.iterations, task.time_limit)
+    corners = search_of(method).path(setup, problem, task, budget)
+    used = task.iterations if method.counts_itself else budget.used - 1
+    facts: dict[str, Any] = {"iterations": max(used, 0), "timed_out": budget.timed_out}
+    if corners is None:
+        reason = f"no path in {facts['iterations']} iterations"
         return Candidate(task, Status.NO_PATH, seconds=budget.seconds, reason=reason, **facts)
-    path = Trajectory.from_path(setup.getSolutionPath(), speed=problem.speed)
     cost = motion_cost(problem, task.criterion.risk(problem))
-    if not all(math.isfinite(cost(a, b)) for a, b in pairwise(path.positions)):
-        reason = "the path that the planner calls a solution is not free"
+    if fault := _fault(corners, problem, cost):
+        reason = f"the path that the planner calls a solution {fault}"
         return Candidate(task, Status.NO_PATH, seconds=budget.seconds, reason=reason, **facts)
-    positions = shortcut(path.positions, cost)
+    positions = shortcut(corners, cost)
     return Candidate(
         task,
         Status.SOLVED,
@@ -112,6 +101,18 @@ def _solve(problem: Problem, task: Task) -> Candidate:
         seconds=budget.seconds,
         **facts,
     )
+
+
+def _fault(corners: FloatArray, problem: Problem, cost: MotionCost) -> str:
+    """What is wrong with a path; nobody's word is taken for it."""
+    if not (np.allclose(corners[0], problem.start) and np.allclose(corners[-1], problem.goal)):
+        return "does not lead from the start to the goal"
+    slack = 1e-9 * np.abs(problem.high - problem.low)
+    if ((corners < problem.low - slack) | (corners > problem.high + slack)).any():
+        return "leaves the box that paths may use"
+    if not all(math.isfinite(cost(a, b)) for a, b in pairwise(corners)):
+        return "is not free"
+    return ""
 
 
 def _setup(problem: Problem, task: Task) -> Any:
@@ -125,10 +126,11 @@ def _setup(problem: Problem, task: Task) -> Any:
     si = setup.getSpaceInformation()
     setup.setStateValidityChecker(ClearanceValidityChecker(si, problem.obstacles))
     si.setMotionValidator(ClearanceMotionValidator(si, problem.obstacles))
-    setup.setOptimizationObjective(task.criterion.objective(si, problem))
+    # OMPL warns about an objective that its planner does not look at, and a roadmap hangs on one
+    blind = task.method.roadmap or task.heeds is not Heeds.CRITERION
+    setup.setOptimizationObjective((Length() if blind else task.criterion).objective(si, problem))
     start: Any = si.allocState()
     goal: Any = si.allocState()
     start[0:3], goal[0:3] = problem.start.tolist(), problem.goal.tolist()
     setup.setStartAndGoalStates(start, goal)
-    setup.setPlanner(getattr(og, task.planner)(si))
     return setup

@@ -70,16 +70,21 @@ class PlanSettings(JudgeSettings):
         min_clearance: least clearance that a path may have [m].
         margin: how far paths may leave the rectangle of start and goal, in distances between them.
         speed: constant speed [m/s].
-        count: number of paths to choose.
+        planner: roadmap; portfolio, which runs the searches by the planners that they name; or a
+            planner of OMPL that runs them all, such as rrtstar or bitstar.
+        count: number of paths to find and rank, also called --alternatives.
         separation: least Frechet distance between two chosen paths, in distances from start to
             goal.
-        searches: criteria to plan by, each "length" or norm@clearance such as H1@20, where a second
-            of flight costs as much as a second at that clearance [m]; "planner:criterion" for
-            another planner than BITstar.
+        samples: states that the roadmap samples.
+        roadmap_norm: norm that the roadmap counts risk by: L1, L2, any Lp, Linf, H1.
+        pareto: also find all paths of the roadmap that no other undercuts in duration and risk.
+        searches: criteria that planners of OMPL plan by, each "length" or norm@clearance such as
+            H1@20, where a second of flight costs as much as a second at that clearance [m];
+            "planner:criterion" for another planner than BITstar.
         runs: how often each search is run, each time with another seed.
         effort: factor on the iterations of the planners.
         seed: of the first run; the others count up from it.
-        workers: number of worker processes; all processors if left out, 1 plans without.
+        workers: number of worker processes, or threads of the roadmap; all processors if left out.
         time_limit: most seconds for a run [s]; whatever is cut short is not reproducible.
     """
 
@@ -92,8 +97,12 @@ class PlanSettings(JudgeSettings):
     min_clearance: float = 20.0
     margin: float = 0.15
     speed: float = 30.0
-    count: Whole = 5
+    planner: str = "roadmap"
+    count: Annotated[Whole, Parameter(name=("--count", "--alternatives"))] = 5
     separation: float = 0.02
+    samples: Whole = 30_000
+    roadmap_norm: str = "H1"
+    pareto: bool = False
     searches: tuple[str, ...] = SEARCHES
     runs: Whole = 2
     effort: float = 1.0

@@ -73,6 +73,11 @@ class TerrainMotion(MotionModel):
         return motion.heuristic(self._handle)
 
 
+def _plain(array: FloatArray) -> FloatArray:
+    """As the kernels were compiled for: another layout would be compiled anew."""
+    return np.require(array, np.float64, ["C", "W"])
+
+
 class TerrainBatch(MotionBatch):
     """``MotionBatch`` over a ``TerrainClearance``, with ``InverseDistance``, in several threads.
 
@@ -117,12 +122,13 @@ class TerrainBatch(MotionBatch):
     ) -> FloatArray:
         """Lower bounds for the cost of any way from a[k] to b[k]."""
         bounds = np.empty(len(a))
-        motions.heuristics(a, b, d_a, d_b, self._given, bounds)
+        columns = (_plain(x) for x in (a, b, d_a, d_b))
+        motions.heuristics(*columns, self._given, bounds)
         return bounds
 
     def _spread(self, kernel: Any, a: FloatArray, b: FloatArray, out: NDArray[Any]) -> None:
         """Run a kernel over chunks of the motions."""
-        a, b = np.ascontiguousarray(a), np.ascontiguousarray(b)
+        a, b = _plain(a), _plain(b)
 
         def work(i: int, j: int) -> None:
             kernel(self._clearance.handle, a[i:j], b[i:j], self._given, out[i:j])

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import math
 from abc import ABC, abstractmethod
 from dataclasses import KW_ONLY, dataclass
@@ -10,8 +11,9 @@ from typing import Any, Literal, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from ompl_risk._kernels import ball
+from ompl_risk._kernels import ball, nearest
 from ompl_risk.clearance import TerrainClearance, UnionClearance
+from ompl_risk.clearance.base import as_queries
 from ompl_risk.clearance.threads import in_chunks
 from ompl_risk.errors import ArgumentError
 from ompl_risk.probability.proportion import Proportion, clopper_pearson
@@ -78,19 +80,7 @@ class ColumnQuadrature(Estimator):
 
     def columns(self) -> Floats:
         """x, y, half height, weight and half (0 or 1) of the columns of a unit ball, (m, 5)."""
-        nodes, weights = np.polynomial.legendre.leggauss(self.rings)
-        square, weights = 0.5 * (nodes + 1.0), 0.5 * weights
-        rows = []
-        for ring, (q, w) in enumerate(zip(square, weights, strict=True)):
-            for spoke in range(self.spokes):
-                # turned by the golden angle from ring to ring, so that spokes do not line up
-                angle = 2.0 * math.pi * spoke / self.spokes + ring * math.pi * (
-                    3.0 - math.sqrt(5.0)
-                )
-                rho, weight = math.sqrt(q), 0.75 * w / (0.5 * self.spokes)
-                x, y, half = rho * math.cos(angle), rho * math.sin(angle), math.sqrt(1.0 - q)
-                rows.append((x, y, half, weight, spoke % 2))
-        return np.array(rows, dtype=np.float64)
+        return _columns(self.rings, self.spokes)
 
     def estimate(self, clearance: Any, points: Floats, radius: float) -> Estimate:
         """Shares for all points.
@@ -100,22 +90,22 @@ class ColumnQuadrature(Estimator):
         """
         if not isinstance(clearance, TerrainClearance):
             raise ArgumentError("estimator", self, f"BallSampling() for {type(clearance).__name__}")
-        columns, halves = self.columns(), np.empty((len(points), 2))
-        in_chunks(
-            lambda first, last: ball.quadrature(
-                clearance.handle,
-                points[first:last],
-                radius,
-                columns,
-                clearance.radius,
-                halves[first:last],
-            ),
-            len(points),
-            clearance.threads,
-            least=64,
-        )
+        points = as_queries(points, 3)
+        columns, halves, depth = self.columns(), np.empty((len(points), 2)), np.empty(len(points))
+        rows, grown = _weighted(columns), clearance.radius
+
+        def work(first: int, last: int) -> None:
+            part, filled = points[first:last], halves[first:last]
+            d = depth[first:last]  # for now the distance, cut at the radius: no matter beyond
+            nearest.signed_distances(clearance.handle, part, grown, radius, d)
+            if grown > 0.0:
+                ball.grown_quadrature(clearance.handle, part, radius, rows, d, grown, filled)
+            else:
+                ball.quadrature(clearance.handle, part, radius, rows, d, filled)
+
+        in_chunks(work, len(points), clearance.threads, least=64)
+        np.clip((radius - depth) / radius, 0.0, 2.0, out=depth)
         p = np.clip(halves.mean(axis=1), 0.0, 1.0)
-        depth = np.clip((radius - clearance(points)) / radius, 0.0, 2.0)
         error = 0.5 * np.abs(halves[:, 0] - halves[:, 1]) + 0.5 * columns[:, 3].max() * depth
         return Estimate(
             p,
@@ -125,6 +115,30 @@ class ColumnQuadrature(Estimator):
             None,
             "column quadrature",
         )
+
+
+@functools.lru_cache(maxsize=8)
+def _columns(rings: int, spokes: int) -> Floats:
+    """``ColumnQuadrature.columns``, made once."""
+    nodes, weights = np.polynomial.legendre.leggauss(rings)
+    square, weights = 0.5 * (nodes + 1.0), 0.5 * weights
+    rows = []
+    for ring, (q, w) in enumerate(zip(square, weights, strict=True)):
+        for spoke in range(spokes):
+            # turned by the golden angle from ring to ring, so that spokes do not line up
+            angle = 2.0 * math.pi * spoke / spokes + ring * math.pi * (3.0 - math.sqrt(5.0))
+            rho, weight = math.sqrt(q), 0.75 * w / (0.5 * spokes)
+            x, y, half = rho * math.cos(angle), rho * math.sin(angle), math.sqrt(1.0 - q)
+            rows.append((x, y, half, weight, spoke % 2))
+    columns = np.array(rows, dtype=np.float64)
+    columns.setflags(write=False)
+    return columns
+
+
+def _weighted(columns: Floats) -> Floats:
+    """x, y, half height and weight in either half of the columns, shape (5, m)."""
+    x, y, half, weight, second = columns.T
+    return np.array([x, y, half, weight * (1.0 - second), weight * second])
 
 
 @dataclass(frozen=True)

@@ -13,7 +13,7 @@ import numpy as np
 from ompl_risk._arrays import FloatArray
 from ompl_risk.avoidance import Avoidance
 from ompl_risk.norms import Norm
-from ompl_risk.ranking.attribution import Attribution, attribute
+from ompl_risk.ranking.attribution import Attribution, Attributions
 from ompl_risk.ranking.sampling import Clearance, Samples, sample, sample_uniformly
 from ompl_risk.trajectory import Trajectory
 
@@ -124,20 +124,18 @@ def assess(
     uniform = samples
     if max_step is not None and any(norm.needs_uniform_times for norm in norms):
         uniform = sample_uniformly(trajectory, clearance, avoidance, len(samples.d))
-    values: dict[str, float] = {}
-    attribution: dict[str, Attribution | None] = {}
-    for norm in norms:
-        suited = uniform if norm.needs_uniform_times else samples
-        values[norm.label] = _norm(norm, suited, samples)
-        attribution[norm.label] = (
-            None if math.isinf(values[norm.label]) else attribute(norm, suited, window_share)
-        )
+    suited = {norm.label: uniform if norm.needs_uniform_times else samples for norm in norms}
+    values = {norm.label: _norm(norm, suited[norm.label], samples) for norm in norms}
+    parts = {
+        norm.label: None if math.isinf(values[norm.label]) else (norm, suited[norm.label])
+        for norm in norms
+    }
     return Assessment(
         samples.trajectory,
         samples.d,
         samples.f,
         values,
-        attribution,
+        Attributions(parts, window_share),
         {} if profile is None else {norm.label: _pc_norm(norm, profile) for norm in norms},
     )
 

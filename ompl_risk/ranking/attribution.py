@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 
 import numpy as np
@@ -64,6 +65,37 @@ class Attribution:
         borders = np.linspace(self.t[0], self.t[-1], count + 1)
         cumulative = np.concatenate([[0.0], np.cumsum(self.shares)])
         return np.diff(np.interp(borders, self.t, cumulative))
+
+
+class Attributions(Mapping[str, "Attribution | None"]):
+    """Where each of several norms comes from, by label; found when first asked for.
+
+    A ranking of many trajectories hardly ever needs all of them, and they take longer than the
+    norms themselves.
+
+    Args:
+        parts: by label, the norm and the samples that suit it; None for an infinite norm.
+        share: see `attribute`.
+    """
+
+    def __init__(self, parts: Mapping[str, tuple[Norm, Samples] | None], share: float) -> None:
+        self._parts, self._share = dict(parts), share
+        self._found: dict[str, Attribution | None] = {}
+
+    def __getitem__(self, label: str) -> Attribution | None:
+        part = self._parts[label]
+        if label not in self._found:
+            self._found[label] = None if part is None else attribute(*part, self._share)
+        return self._found[label]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._parts)
+
+    def __len__(self) -> int:
+        return len(self._parts)
+
+    def __repr__(self) -> str:
+        return f"Attributions({', '.join(self._parts)})"
 
 
 def attribute(norm: Norm, samples: Samples, share: float) -> Attribution | None:

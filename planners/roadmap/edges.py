@@ -26,8 +26,8 @@ class Edges:
     Attributes:
         first, target, edge: see ``Graph``.
         weight: of the edges, exact or a lower bound, inf where they may not be flown, shape (m,).
-        duration: of the edges [s], shape (m,).
-        known: whether the weight is exact, shape (m,).
+        duration: of the edges [s], exact or a lower bound, shape (m,).
+        known: whether weight and duration are exact, shape (m,).
     """
 
     def __init__(self, *, time_weight: float, undirected: bool) -> None:
@@ -65,7 +65,7 @@ class Edges:
     def add(
         self, n: int, tail: Integers, head: Integers, *, risk: FloatArray, duration: FloatArray
     ) -> None:
-        """Add edges, in a graph that has n vertices by now, whose risk is only a lower bound."""
+        """Add edges whose risk and duration are lower bounds, in a graph of n vertices by now."""
         self.first, self.target, self.edge = kernels.merged_rows(
             n, *self.rows, tail, head, self.m, self.undirected
         )
@@ -74,9 +74,12 @@ class Edges:
         self.duration = np.concatenate([self.duration, duration])
         self.known = np.concatenate([self.known, np.zeros(len(risk), np.bool_)])
 
-    def evaluated(self, numbers: Integers, risk: FloatArray) -> None:
-        """Take in the exact risk of edges."""
-        self.weight[numbers] = risk + self._time_weight * self.duration[numbers]
+    def evaluated(self, numbers: Integers, risk: FloatArray, duration: FloatArray) -> None:
+        """Take in the exact risk and duration of edges, inf where there is no way."""
+        exists = np.isfinite(duration)
+        self.duration[numbers[exists]] = duration[exists]
+        weight = risk + self._time_weight * self.duration[numbers]
+        self.weight[numbers] = np.where(exists, weight, np.inf)
         self.known[numbers] = True
 
     def risk(self, numbers: Integers | slice = slice(None)) -> FloatArray:

@@ -15,9 +15,6 @@ from ompl_risk.planners.roadmap.pareto import pareto_set
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.planners.sides import Sides
 
-PRECISION = 1e-2
-"""Usual relative error of the risks of a Pareto set: that of an edge's risk is as great."""
-
 
 def evaluate_within(roadmap: Roadmap, longest: float, riskiest: float = math.inf) -> Graph:
     """Evaluate all edges that a path from a start to a goal within the limits may use.
@@ -127,9 +124,7 @@ class Front:
         return self.routes[self.ways.ways.index(self.ways.fastest(within_risk))]
 
 
-def pareto_routes(
-    roadmap: Roadmap, *, longest: float = math.inf, precision: float = PRECISION
-) -> Front:
+def pareto_routes(roadmap: Roadmap, *, longest: float = math.inf, precision: float = 0.0) -> Front:
     """All routes of a roadmap that no other undercuts in both duration and risk.
 
     Args:

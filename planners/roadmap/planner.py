@@ -18,7 +18,6 @@ from ompl_risk.errors import ArgumentError, PlanningError
 from ompl_risk.motion.steering import Steering
 from ompl_risk.planners.roadmap.anytime import Growing, Polish, Progress
 from ompl_risk.planners.roadmap.exploring import (
-    PRECISION,
     Front,
     alternative_routes,
     pareto_routes,
@@ -190,7 +189,7 @@ class RiskRoadmap(ob.Planner):
             self._planned(), count, excess=excess, min_distance=min_distance, sides=self._sides()
         )
 
-    def pareto(self, *, longest: float = math.inf, precision: float = PRECISION) -> Front:
+    def pareto(self, *, longest: float = math.inf, precision: float = 0.0) -> Front:
         """The routes that no other undercuts in both duration and risk, see ``pareto_routes``.
 
         Raises:

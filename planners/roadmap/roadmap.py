@@ -191,7 +191,8 @@ class Roadmap:
             tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
         a, b = self.states[tail], self.states[head]
         bound = self.motions.heuristics(a, b, self.clearance[tail], self.clearance[head])
-        self.edges.add(self.n, tail, head, risk=bound, duration=self.motions.durations(a, b))
+        least = self.motions.least_durations(a, b)
+        self.edges.add(self.n, tail, head, risk=bound, duration=least)
         return np.arange(start, self.n, dtype=np.int32)
 
     def insert_path(self, route: Route, states: FloatArray) -> None:
@@ -204,8 +205,8 @@ class Roadmap:
         chain = np.concatenate([route.vertices[:1], self.insert(states[1:-1]), route.vertices[-1:]])
         tail, head = chain[:-1].copy(), chain[1:].copy()
         numbers = np.arange(self.edges.m, self.edges.m + len(tail), dtype=np.int32)
-        duration = self.motions.durations(self.states[tail], self.states[head])
-        self.edges.add(self.n, tail, head, risk=np.zeros(len(tail)), duration=duration)
+        least = self.motions.least_durations(self.states[tail], self.states[head])
+        self.edges.add(self.n, tail, head, risk=np.zeros(len(tail)), duration=least)
         self.evaluate(numbers, tail, head)
 
     def search(self, stop: Stop = never) -> Route | None:
@@ -269,7 +270,7 @@ class Roadmap:
             risk = np.full(len(a), math.inf)
             allowed = self.gate.allows_motions(a, b)
             risk[allowed] = self.motions.costs(a[allowed], b[allowed])
-            self.edges.evaluated(numbers[part], risk)
+            self.edges.evaluated(numbers[part], risk, self.motions.durations(a, b))
             self.evaluated += len(a)
 
     def _parts(self, n: int, stop: Stop) -> Iterable[slice]:

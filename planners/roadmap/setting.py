@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from itertools import pairwise
 from typing import Any
 
 import numpy as np
@@ -14,7 +15,7 @@ from ompl_risk.bridge import ClearanceMotionValidator, ClearanceValidityChecker,
 from ompl_risk.bridge.states import StateReader, StateWriter
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
-from ompl_risk.motion import MotionBatch, Risk, motion_batch
+from ompl_risk.motion import MotionBatch, Risk, motion_batch, steered_batch
 from ompl_risk.motion.length import LengthBatch
 from ompl_risk.motion.steering import Steering
 from ompl_risk.norms import Lp
@@ -111,23 +112,29 @@ def read_setting(
     posed = posed or (foreign and isinstance(space, ob.SE3StateSpace))
     reach = max(TURN, *(float(getattr(c, "reach", 0.0)) for c in (clearance, obstacles)))
     region = _region(space, posed=posed, reach=reach, seed=seed)
-    width = region.width
-    motions: MotionBatch = LengthBatch(width, TURN)
-    if clearance is not None:
-        pure = replace(risk, duration_weight=0.0)
-        motions = motion_batch(clearance, pure, width, threads=threads)
-        if steering is not None:
-            from ompl_risk.motion.steered import steered_batch
-
-            motions = steered_batch(steering, clearance, pure, width)
-    elif steering is not None:
-        raise ArgumentError("steering", steering, "left out for path length; use a RiskObjective")
+    motions = _motions(clearance, risk, steering, region.width, threads)
     gate: Gate = OpenGate()
     if foreign:
-        gate = CheckerGate(si, region.width)
+        gate = CheckerGate(si, motions)
     elif obstacles is not None and not _same(obstacles, clearance):
-        gate = ClearanceGate(motion_batch(obstacles, Risk(speed=1.0), width, threads=threads))
+        free = Risk(speed=risk.speed)
+        gate = ClearanceGate(_motions(obstacles, free, steering, region.width, threads))
     return Setting(region, motions, risk, gate, clearance, obstacles, steering is None)
+
+
+def _motions(
+    clearance: Any, risk: Risk, steering: Steering | None, width: int, threads: int | None
+) -> MotionBatch:
+    """The pure risk of motions as the vehicle flies them."""
+    if clearance is None:
+        if steering is not None:
+            allowed = "left out for path length; use a RiskObjective"
+            raise ArgumentError("steering", steering, allowed)
+        return LengthBatch(width, TURN)
+    pure = replace(risk, duration_weight=0.0)
+    if steering is None:
+        return motion_batch(clearance, pure, width, threads=threads)
+    return steered_batch(steering, clearance, pure, width, threads=threads)
 
 
 class CheckerGate(Gate):
@@ -135,11 +142,11 @@ class CheckerGate(Gate):
 
     Args:
         si: with both.
-        width: numbers in a state of the roadmap.
+        motions: of the roadmap; says by which states they lead.
     """
 
-    def __init__(self, si: ob.SpaceInformation, width: int) -> None:
-        self._writer, self._width = StateWriter(si), width
+    def __init__(self, si: ob.SpaceInformation, motions: MotionBatch) -> None:
+        self._writer, self._samples = StateWriter(si), motions.samples
         self._is_valid, self._check = si.isValid, si.checkMotion
 
     def allows_states(self, states: FloatArray) -> Flags:
@@ -148,9 +155,12 @@ class CheckerGate(Gate):
 
     def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
         """Which motions are valid."""
-        pairs = zip(a, b, strict=True)
-        found = [self._check(self._state(p), self._state(q)) for p, q in pairs]
-        return np.array(found, dtype=np.bool_)
+        ways = self._samples(a, b)
+        return np.array([len(way) > 1 and self._is_flyable(way) for way in ways], np.bool_)
+
+    def _is_flyable(self, way: FloatArray) -> bool:
+        states = [self._state(row) for row in way]
+        return all(self._check(p, q) for p, q in pairwise(states))
 
     def _state(self, numbers: FloatArray) -> Any:
         return self._writer.state(full_state(numbers, self._writer.width))

@@ -8,7 +8,7 @@ QUICK = (
     "--start", "200", "1000", "--goal", "2800", "1000", "--ceiling", "200", "--min-clearance", "10",
     "--margin", "0.3", "--d0", "80", "--uncertainty", "70", "--effort", "0.1", "--workers", "1",
     "--searches", "length", "L1@20", "H1@20", "H1@40", "--count", "3",
-    "--duration-tolerance", "0.3",
+    "--duration-tolerance", "0.3", "--planner", "portfolio",
 )  # fmt: skip
 """A plan over the wall in this process, within a second."""
 

@@ -179,7 +179,16 @@ def test_ctrl_c_keeps_what_was_found(wall_file, tmp_path, capsys, monkeypatch):
 @pytest.mark.skipif(os.name != "posix", reason="process groups")
 def test_ctrl_c_stops_real_workers_with_one_line(tmp_path):
     out = tmp_path / "stopped"
-    command = [sys.executable, "-m", "ompl_risk", "plan", "--workers", "2", "--effort", "100"]
+    command = [
+        sys.executable,
+        "-m",
+        "ompl_risk",
+        "plan",
+        "--planner",
+        "portfolio",
+        "--effort",
+        "100",
+    ]
     run = subprocess.Popen(
         [*command, "--output", str(out)],
         stdout=subprocess.PIPE,

@@ -1,0 +1,49 @@
+"""How the command `plan` gets its paths."""
+
+from __future__ import annotations
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from ompl_risk.cli.run_folder import RunFolder
+from ompl_risk.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """Paths of equal time.
+
+    Args:
+        trajectories: the paths, two or more.
+        labels: where each comes from.
+        summary: how many were chosen of how many, and why the others were not.
+        separation: least Frechet distance between two of them [m].
+        facts: what else the provenance should tell.
+    """
+
+    trajectories: Sequence[Trajectory]
+    labels: Sequence[str]
+    summary: str
+    separation: float
+    facts: Mapping[str, Any] = field(default_factory=dict)
+
+
+class Finder(ABC):
+    """A way to find paths of equal time that differ; made once all settings have been checked."""
+
+    @abstractmethod
+    def find(self, folder: RunFolder, console: Console) -> Found:
+        """Find them.
+
+        Args:
+            folder: where what has been found may be written.
+            console: where progress is shown.
+
+        Raises:
+            PlanningError: there are fewer than two.
+        """

@@ -1,0 +1,103 @@
+"""Paths of the command `plan` from a roadmap."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ompl_risk import planners
+from ompl_risk.cli.finding import Finder, Found
+from ompl_risk.cli.pareto import write_pareto
+from ompl_risk.cli.progress import progress_bar
+from ompl_risk.cli.run_folder import RunFolder
+from ompl_risk.cli.settings import PlanSettings
+from ompl_risk.errors import ArgumentError, PlanningError
+from ompl_risk.motion import Risk
+from ompl_risk.norms import parse_norm
+from ompl_risk.planners.roadmap.building import roadmap_of
+from ompl_risk.planners.roadmap.equal_time import EqualTimePaths, equal_time_paths
+from ompl_risk.planners.roadmap.exploring import pareto_routes
+from ompl_risk.planners.roadmap.roadmap import Roadmap
+from ompl_risk.trajectory import Trajectory
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+
+class RoadmapFinder(Finder):
+    """Grows a roadmap and looks for alternatives in it, the same ones for the same seed.
+
+    Args:
+        settings: what is planned, checked.
+        problem: the problem.
+
+    Raises:
+        ArgumentError: a setting of the roadmap is out of range.
+    """
+
+    def __init__(self, settings: PlanSettings, problem: planners.Problem) -> None:
+        if settings.samples < 1:
+            raise ArgumentError("samples", settings.samples, "a whole number of at least 1")
+        self._norm = parse_norm(settings.roadmap_norm, argument="roadmap_norm")
+        Risk(problem.avoidance, self._norm, speed=problem.speed)  # refuses what does not add up
+        self._settings, self._problem = settings, problem
+
+    def find(self, folder: RunFolder, console: Console) -> Found:
+        """Grow the roadmap, take alternatives from it, and with `--pareto` its Pareto set.
+
+        Raises:
+            PlanningError: the roadmap has fewer than two such paths.
+        """
+        settings = self._settings
+        with progress_bar(console) as progress:
+            growing = progress.add_task("growing a roadmap", total=settings.samples)
+            roadmap = roadmap_of(
+                self._problem,
+                samples=settings.samples,
+                norm=self._norm,
+                seed=settings.seed,
+                threads=settings.workers,
+                on_batch=lambda done: progress.update(growing, completed=done),
+            )
+            choosing = progress.add_task("choosing alternatives", total=settings.count)
+            paths = equal_time_paths(
+                roadmap,
+                self._problem,
+                settings.count,
+                excess=settings.duration_tolerance,
+                min_distance=settings.separation * self._problem.distance,
+                on_path=lambda chosen: progress.update(choosing, completed=chosen),
+            )
+        _check(roadmap, paths)
+        if settings.pareto:
+            write_pareto(pareto_routes(roadmap), self._norm, self._problem.speed, folder, console)
+        return Found(
+            trajectories=[
+                Trajectory.at_constant_speed(p, settings.speed, f"alternative {k + 1}")
+                for k, p in enumerate(paths.positions)
+            ],
+            labels=[f"roadmap alternative {k + 1}" for k in range(len(paths.positions))],
+            summary=paths.summary,
+            separation=paths.separation,
+            facts={
+                "roadmap": {
+                    "vertices": roadmap.n,
+                    "edges": roadmap.edges.m,
+                    "evaluated": roadmap.evaluated,
+                }
+            },
+        )
+
+
+def _check(roadmap: Roadmap, paths: EqualTimePaths) -> None:
+    if len(paths.positions) >= 2:
+        return
+    if not paths.positions:
+        outcome = (
+            f"no path in a roadmap of {roadmap.n} vertices, of which {roadmap.reached} can be "
+            "reached from the start"
+        )
+        remedy = "raise --ceiling or --samples, or lower --min-clearance"
+    else:
+        outcome = "a single path, and no other of equal time that differs from it"
+        remedy = "raise --samples or --duration-tolerance, or lower --separation"
+    raise PlanningError(outcome, remedy)
