@@ -145,6 +145,37 @@ class PlanningError(OmplRiskError):
         super().__init__(f"too few paths to compare: {outcome}; {remedy}")
 
 
+class LabelLimitError(OmplRiskError):
+    """The Pareto set needs more labels than are allowed.
+
+    Args:
+        labels: how many were allowed.
+        fastest: least duration of a path [s].
+        reached: ways of a duration below this have all been found [s].
+    """
+
+    def __init__(self, labels: int, fastest: float, reached: float) -> None:
+        self.labels, self.fastest, self.reached = labels, fastest, reached
+        super().__init__(
+            f"the Pareto set has more than {labels} labels (most_labels); they reach to ways of "
+            f"{reached:.6g} s, where the fastest takes {fastest:.6g} s: allow more, ask for a "
+            "precision above 0, or pass longest="
+        )
+
+
+class NoWayError(OmplRiskError, LookupError):
+    """No way of a Pareto set is as fast, or of as little risk, as asked for.
+
+    Args:
+        wanted: what was asked for, in words.
+        best: the nearest that there is, in words.
+    """
+
+    def __init__(self, wanted: str, best: str) -> None:
+        self.wanted, self.best = wanted, best
+        super().__init__(f"no way {wanted}: {best}")
+
+
 class ExtraError(OmplRiskError, ImportError):
     """An optional package is needed and not installed.
 

@@ -11,7 +11,8 @@ from pickle import PicklingError
 from typing import Any
 
 from ompl_risk._arrays import positive
-from ompl_risk.planners.engines import Crew, Death, Engine, Jobs, Outcomes, engine_of
+from ompl_risk.planners.engine_choice import engine_of
+from ompl_risk.planners.engines import Crew, Death, Engine, Jobs, Outcomes
 from ompl_risk.planners.problem import Problem
 from ompl_risk.planners.task import Candidate, Status, Task
 

@@ -123,9 +123,9 @@ PYTHON_ITERATIONS = 1_000
 """Usual budget of a planner written in Python that has no short name."""
 
 ALIASES: Mapping[str, Method] = MappingProxyType(
-    {"RiskRoadmap": Method("ompl_risk.planners.roadmap.planner.RiskRoadmap", PYTHON_ITERATIONS)}
+    {"RiskRoadmap": Method("ompl_risk.planners.roadmap.planner.RiskRoadmap", 10_000)}
 )
-"""Planners written in Python, by their short names."""
+"""Planners written in Python, by their short names. An iteration of RiskRoadmap is one state."""
 
 
 def method_of(planner: str | type, *, argument: str = "planner") -> Method:

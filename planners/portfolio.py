@@ -8,7 +8,8 @@ from typing import Any
 from ompl_risk.errors import ArgumentError
 from ompl_risk.norms import Norm
 from ompl_risk.planners.candidate_ranking import CandidateRanking, rank_candidates
-from ompl_risk.planners.engines import Engine, engine_of
+from ompl_risk.planners.engine_choice import engine_of
+from ompl_risk.planners.engines import Engine
 from ompl_risk.planners.generation import OnDone, candidates
 from ompl_risk.planners.menu import parse_task
 from ompl_risk.planners.problem import Problem

@@ -13,6 +13,8 @@ SAMPLES = [
     errors.VoidError(3, (0, 7)),
     errors.ExtentError(2, (1.0, 2.0), (0.0, 1.0, 0.0, 1.0)),
     errors.TrapError("PRMstar.solve()", "hangs", "use RRTstar"),
+    errors.LabelLimitError(100, 5.0, 6.0),
+    errors.NoWayError("takes at most 3 s", "the fastest takes 5 s"),
 ]
 
 

@@ -119,7 +119,7 @@ def is_free_between(motion):
     while True:
         t = s / length if length > 0.0 else 0.0
         x, y, z = a[0] + t * ux, a[1] + t * uy, a[2] + t * uz
-        d = _clearance(motion, length - s + CONTACT, x, y, z)
+        d = _clearance(motion, length - s + 2.0 * CONTACT, x, y, z)
         if d <= CONTACT:
             return False
         s += d - 0.5 * CONTACT

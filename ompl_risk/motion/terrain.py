@@ -122,8 +122,7 @@ class TerrainBatch(MotionBatch):
     ) -> FloatArray:
         """Lower bounds for the cost of any way from a[k] to b[k]."""
         bounds = np.empty(len(a))
-        columns = (_plain(x) for x in (a, b, d_a, d_b))
-        motions.heuristics(*columns, self._given, bounds)
+        motions.heuristics(_plain(a), _plain(b), _plain(d_a), _plain(d_b), self._given, bounds)
         return bounds
 
     def _spread(self, kernel: Any, a: FloatArray, b: FloatArray, out: NDArray[Any]) -> None:

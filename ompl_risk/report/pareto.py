@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -66,9 +67,13 @@ def pareto_figure(
 
 def _shares(axes: Axes, fastest: float) -> None:
     """How much longer than the fastest, above."""
-    above = axes.secondary_xaxis(
-        "top",
-        functions=(lambda t: 100.0 * (t / fastest - 1.0), lambda x: fastest * (1.0 + x / 100.0)),
-    )
+
+    def longer(t: Any) -> Any:
+        return 100.0 * (t / fastest - 1.0)
+
+    def duration(share: Any) -> Any:
+        return fastest * (1.0 + share / 100.0)
+
+    above = axes.secondary_xaxis("top", functions=(longer, duration))
     above.tick_params(labelsize=SIZES["small"])
     above.set_xlabel("longer than the fastest [%]", fontsize=SIZES["small"], color=FAINT)

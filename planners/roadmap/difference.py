@@ -67,9 +67,9 @@ def differing(
 ) -> list[int]:
     """Choose paths that differ from each other: in their side, or by their Frechet distance.
 
-    First a net is laid: the fastest path, the safest one of every side, then all others from the
-    safest on, each kept if it differs from all kept before and makes no detour. So what is left
-    out is like the fastest, or like something kept that is safer.
+    First a net is laid: the fastest path, the safest and the fastest one of every side, then all
+    others from the safest on, each kept if it differs from all kept before and makes no detour. So
+    what is left out is like one of the fastest, or like something kept that is safer.
 
     Of the net are chosen the fastest, the safest, and then again and again a path of a side not
     chosen yet, or else any: the farthest from all chosen, to the accuracy of coarse samples.
@@ -134,12 +134,21 @@ def _numbered(sides: Sequence[Hashable]) -> NDArray[np.int32]:
 
 
 def _order(pool: Pool, side: NDArray[np.int32]) -> NDArray[np.int64]:
-    """The fastest, the safest of each side, all the others from the safest on."""
-    fastest = np.lexsort((pool.risk, pool.duration))[:1]
-    by_risk = np.lexsort((pool.duration, pool.risk))
-    _, leaders = np.unique(side[by_risk], return_index=True)
-    others = np.delete(by_risk, leaders)
-    return np.concatenate([fastest, by_risk[np.sort(leaders)], others])
+    """The fastest, the safest and the fastest of each side, all the others from the safest on.
+
+    The fastest of a side makes no detour, so no side is lost among the many paths of another one.
+    """
+    by_time, by_risk = (
+        np.lexsort((pool.risk, pool.duration)),
+        np.lexsort((pool.duration, pool.risk)),
+    )
+    leaders = [by_time[:1]]
+    for order in (by_risk, by_time):
+        _, first = np.unique(side[order], return_index=True)
+        leaders.append(order[np.sort(first)])
+    whole = np.concatenate([*leaders, by_risk])
+    _, places = np.unique(whole, return_index=True)
+    return whole[np.sort(places)]
 
 
 def _empty(room: int, samples: int, k: int) -> kernels.Kept:

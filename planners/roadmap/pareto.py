@@ -11,8 +11,8 @@ from numpy.typing import ArrayLike, NDArray
 from ompl_risk._arrays import real_number
 from ompl_risk._kernels import pareto as kernels
 from ompl_risk._kernels.potentials import UNREACHED, least_to_goal, reduced_rows
-from ompl_risk.errors import ArgumentError
-from ompl_risk.planners.roadmap.front import LabelLimitError, ParetoSet
+from ompl_risk.errors import ArgumentError, LabelLimitError
+from ompl_risk.planners.roadmap.front import ParetoSet
 from ompl_risk.planners.roadmap.graph import Graph, Tree, Way
 from ompl_risk.planners.roadmap.ticks import Ticks, in_ranks, in_ticks
 

@@ -14,7 +14,7 @@ from ompl_risk.bridge.conditions import after
 from ompl_risk.bridge.states import StateReader
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.threads import thread_count
-from ompl_risk.errors import ArgumentError, PlanningError
+from ompl_risk.errors import ArgumentError
 from ompl_risk.motion.steering import Steering
 from ompl_risk.planners.roadmap.anytime import Growing, Polish, Progress
 from ompl_risk.planners.roadmap.exploring import (
@@ -183,7 +183,7 @@ class RiskRoadmap(ob.Planner):
         difference, however near.
 
         Raises:
-            PlanningError: before a problem has been given to ``solve``.
+            ArgumentError: before ``solve``, or a number out of range.
         """
         return alternative_routes(
             self._planned(), count, excess=excess, min_distance=min_distance, sides=self._sides()
@@ -193,14 +193,14 @@ class RiskRoadmap(ob.Planner):
         """The routes that no other undercuts in both duration and risk, see ``pareto_routes``.
 
         Raises:
-            PlanningError: before a problem has been given to ``solve``.
+            ArgumentError: before ``solve``, or a number out of range.
         """
         return pareto_routes(self._planned(), longest=longest, precision=precision)
 
     def _planned(self) -> Roadmap:
         roadmap = self.roadmap
         if roadmap is None or not roadmap.starts:
-            raise PlanningError("there is no roadmap yet", "call solve first")
+            raise ArgumentError("planner", "RiskRoadmap without a roadmap", "solved with before")
         return roadmap
 
     def _sides(self) -> Sides | None:

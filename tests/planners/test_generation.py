@@ -2,6 +2,7 @@
 
 import os
 import time
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -13,13 +14,13 @@ from ompl_risk.planners import (
     Status,
     Task,
     candidates,
-    generation,
     low_level_flight,
     parse_criterion,
     solve_task,
 )
-from ompl_risk.planners.menu import SEARCHES, menu
-from ompl_risk.planners.solving import Budget
+from ompl_risk.planners.engines import Crew, Engine
+from ompl_risk.planners.menu import SEARCHES, menu, parse_task
+from ompl_risk.planners.searching import Budget
 
 
 class Dies(Length):
@@ -118,18 +119,40 @@ def test_workers_give_what_this_process_gives_and_survive_deaths(problem):
         np.testing.assert_array_equal(a.positions, b.positions)
 
 
-def test_candidates_are_in_the_order_of_the_tasks_not_of_arrival(monkeypatch):
+class LatestFirst(Engine, Crew):
+    """Answers without planning, the last task first."""
+
+    @contextmanager
+    def crew(self, problem):
+        yield self
+
+    def run(self, jobs):
+        for index, each in reversed(list(jobs)):
+            yield index, Candidate(each, Status.NO_PATH)
+
+
+def test_candidates_are_in_the_order_of_the_tasks_not_of_arrival():
     tasks = [task("length", seed) for seed in (1, 2, 3)]
-
-    def latest_first(problem, tasks, workers):
-        for index in (2, 0, 1):
-            yield index, Candidate(tasks[index], Status.NO_PATH)
-
-    monkeypatch.setattr(generation, "_elsewhere", latest_first)
     arrived = []
-    found = candidates(None, tasks, workers=2, on_done=arrived.append)
+    found = candidates(None, tasks, engine=LatestFirst(), on_done=arrived.append)
     assert [c.task.seed for c in found] == [1, 2, 3]
-    assert [c.task.seed for c in arrived] == [3, 1, 2]
+    assert [c.task.seed for c in arrived] == [3, 2, 1]
+
+
+def test_nothing_is_started_for_no_tasks():
+    assert candidates(None, [], engine="loky", workers=2) == []
+
+
+def test_the_time_for_all_tasks_stops_one_and_does_not_start_the_next(problem):
+    endless = [Task("BITstar", Length(), seed, 10**9) for seed in (1, 2)]
+    arrived = []
+    first, second = candidates(problem, endless, total_time=0.3, on_done=arrived.append)
+    assert first.timed_out
+    assert first.task == endless[0]
+    assert first.seconds < 5.0
+    assert second.status is Status.NOT_STARTED
+    assert "0.3 s" in second.reason
+    assert arrived == [first, second]
 
 
 def test_what_was_found_before_an_interruption_has_been_handed_over(problem):
@@ -155,17 +178,23 @@ def test_the_menu_gives_each_task_a_seed_of_its_own():
 @pytest.mark.parametrize(
     ("argument", "make"),
     [
-        ("planner", lambda: Task("PRM", Length())),
+        ("planner", lambda: Task("PRX", Length())),
+        ("criterion", lambda: Task("BITstar", "length")),
         ("seed", lambda: Task("BITstar", Length(), 0)),
         ("seed", lambda: Task("BITstar", Length(), True)),
         ("iterations", lambda: Task("BITstar", Length(), 1, -1)),
         ("time_limit", lambda: Task("BITstar", Length(), 1, 1, 0.0)),
         ("searches", lambda: menu([])),
-        ("searches", lambda: menu(["PRM:length"])),
+        ("searches", lambda: menu(["PRX:length"])),
+        ("searches", lambda: menu(["AORRTC:length"])),
+        ("search", lambda: parse_task("L2.5")),
+        ("search", lambda: parse_task(5)),
         ("searches", lambda: menu(["risk"])),
         ("runs", lambda: menu(runs=0)),
         ("effort", lambda: menu(effort=0.0)),
         ("workers", lambda: candidates(None, [], workers=0)),
+        ("workers", lambda: candidates(None, [], workers=True)),
+        ("total_time", lambda: candidates(None, [], total_time=0.0)),
     ],
 )
 def test_wrong_tasks_are_refused(argument, make):

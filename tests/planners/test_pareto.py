@@ -9,8 +9,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from ompl_risk.errors import ArgumentError
-from ompl_risk.planners.roadmap.front import LabelLimitError, NoWayError, ParetoSet
+from ompl_risk.errors import ArgumentError, LabelLimitError, NoWayError
+from ompl_risk.planners.roadmap.front import ParetoSet
 from ompl_risk.planners.roadmap.graph import Graph
 from ompl_risk.planners.roadmap.pareto import pareto_set
 

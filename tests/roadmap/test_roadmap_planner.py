@@ -16,7 +16,7 @@ from ompl_risk.avoidance import InverseDistance
 from ompl_risk.bridge import ClearanceMotionValidator, ClearanceValidityChecker, RiskObjective
 from ompl_risk.bridge.states import StateWriter
 from ompl_risk.clearance import MeshClearance, TerrainClearance, UnionClearance
-from ompl_risk.errors import ArgumentError, PlanningError
+from ompl_risk.errors import ArgumentError
 from ompl_risk.motion import Connection, Steering
 from ompl_risk.norms import Lp, Sobolev
 from ompl_risk.planners.roadmap.planner import RiskRoadmap
@@ -531,7 +531,7 @@ def test_the_distance_from_obstacles_is_kept_along_the_way_that_is_steered():
 
 def test_alternatives_and_pareto_set_come_as_routes_that_can_be_published():
     scene = Scene().usual()
-    with pytest.raises(PlanningError, match="solve"):
+    with pytest.raises(ArgumentError, match="solved with before"):
         scene.planner.alternatives(3)
     scene.solve(0.5)
     routes = scene.planner.alternatives(4, excess=0.2, min_distance=40.0)
