@@ -70,6 +70,7 @@ FEASIBLE_ONLY = (
 )
 
 _OTHERS = "og.RRTstar, og.InformedRRTstar, og.SORRTstar or og.BITstar"
+_FOR_RISK = f"ompl_risk.planners.RiskRoadmap, {_OTHERS}"
 _DEADLOCK = "its second thread waits for Python, and Python waits for that thread"
 _LENGTH = "minimises the path's length: it never asks for the cost of a motion"
 
@@ -86,7 +87,7 @@ REFUSED: tuple[Trap, ...] = (
         when=inspection.has_python_objective,
         what="{planner} with {objective}, an objective written in Python,",
         symptom=f"hangs for ever: {_DEADLOCK}",
-        instead=f"use {_OTHERS}, or planner.growRoadmap(seconds), which has no second thread, and "
+        instead=f"use {_FOR_RISK}, or planner.growRoadmap(seconds), which has no second thread, and "
         "search the graph of planner.getPlannerData(data) yourself",
     ),
     Trap(
@@ -115,14 +116,14 @@ REFUSED: tuple[Trap, ...] = (
         when=inspection.has_risk_objective,
         what="{planner} with {objective}",
         symptom="finds nothing or crashes: it looks up neighbours by cost, and risk is no metric",
-        instead=f"use {_OTHERS}",
+        instead=f"use {_FOR_RISK}",
     ),
     Trap(
         planners=LENGTH_ONLY,
         when=inspection.has_risk_objective,
         what="{planner} with {objective}",
         symptom=_LENGTH,
-        instead=f"use {_OTHERS}",
+        instead=f"use {_FOR_RISK}",
     ),
 )
 """Traps that end in a hang, a crash or a wrong optimum: the call is refused."""
@@ -140,7 +141,7 @@ WARNED: tuple[Trap, ...] = (
         when=inspection.has_risk_objective,
         what="{planner} with {objective}",
         symptom="does not look at the objective: the path is feasible, not optimised for risk",
-        instead=f"solve several times and rank the paths (ompl_risk.rank), or use {_OTHERS}",
+        instead=f"solve several times and rank the paths (ompl_risk.rank), or use {_FOR_RISK}",
     ),
     Trap(
         planners=MARCHING,
