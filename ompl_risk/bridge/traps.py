@@ -87,8 +87,8 @@ REFUSED: tuple[Trap, ...] = (
         when=inspection.has_python_objective,
         what="{planner} with {objective}, an objective written in Python,",
         symptom=f"hangs for ever: {_DEADLOCK}",
-        instead=f"use {_FOR_RISK}, or planner.growRoadmap(seconds), which has no second thread, and "
-        "search the graph of planner.getPlannerData(data) yourself",
+        instead=f"use {_FOR_RISK}, or planner.growRoadmap(seconds), which has no second thread, "
+        "and search the graph of planner.getPlannerData(data) yourself",
     ),
     Trap(
         planners=ROADMAP,

@@ -80,8 +80,8 @@ class MeshClearance(Clearance):
         """
         if self._body is None:
             queries = as_queries(points, 3)
-            d = [min(group.signed_distance(x) for group in self._groups) for x in queries]
-            return np.array(d, dtype=np.float64) - self.radius
+            d = np.array([group.signed_distances(queries) for group in self._groups])
+            return d.min(axis=0) - self.radius
         poses = as_queries(points, 7, name="poses")
         _check_unit(poses[:, 3:])
         return np.array([self._body_distance(pose, self._body) for pose in poses])

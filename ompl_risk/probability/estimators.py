@@ -105,8 +105,9 @@ class ColumnQuadrature(Estimator):
 
         in_chunks(work, len(points), clearance.threads, least=64)
         np.clip((radius - depth) / radius, 0.0, 2.0, out=depth)
-        p = np.clip(halves.mean(axis=1), 0.0, 1.0)
-        error = 0.5 * np.abs(halves[:, 0] - halves[:, 1]) + 0.5 * columns[:, 3].max() * depth
+        one, other = halves.T
+        p = np.clip(0.5 * (one + other), 0.0, 1.0)
+        error = 0.5 * np.abs(one - other) + 0.5 * columns[:, 3].max() * depth
         return Estimate(
             p,
             np.clip(p - error, 0.0, 1.0),

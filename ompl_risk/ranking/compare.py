@@ -10,9 +10,10 @@ from ompl_risk._arrays import positive, real_number
 from ompl_risk.avoidance import Avoidance
 from ompl_risk.errors import ArgumentError, DurationWarning
 from ompl_risk.norms import Lp, Norm, Sobolev
-from ompl_risk.ranking.assessment import Profile, assess
+from ompl_risk.ranking.assessment import Assessment, Profile, assess
 from ompl_risk.ranking.result import Ranking
 from ompl_risk.ranking.sampling import Clearance
+from ompl_risk.ranking.sharing import each, shared_out
 from ompl_risk.trajectory import Trajectory
 
 DEFAULT_NORMS: tuple[Norm, ...] = (Lp(1), Lp(2), Lp(math.inf), Sobolev(1))
@@ -80,22 +81,16 @@ def rank(
         raise ArgumentError("window_share", window_share, "a number above 0, at most 1")
     step = _step(max_step, avoidance)
     profiles = _profiles(probability, trajectories)
-    ranking = Ranking(
-        tuple(
-            assess(
-                trajectory,
-                clearance,
-                avoidance,
-                norms,
-                max_step=step,
-                window_share=share,
-                profile=profiles.get(trajectory.name),
-            )
-            for trajectory in trajectories
-        ),
-        norms,
-        tolerance,
-    )
+    used, threads = shared_out(clearance, (avoidance, *norms), len(trajectories))
+
+    def work(trajectory: Trajectory) -> Assessment:
+        profile = profiles.get(trajectory.name)
+        return assess(
+            trajectory, used, avoidance, norms,
+            max_step=step, window_share=share, profile=profile,
+        )  # fmt: skip
+
+    ranking = Ranking(each(work, trajectories, threads), norms, tolerance)
     if not ranking.durations_comparable:
         fastest, slowest = ((a.name, a.duration) for a in (ranking.fastest, ranking.slowest))
         warnings.warn(DurationWarning(fastest, slowest, tolerance), stacklevel=2)
