@@ -1,99 +1,101 @@
-"""``python -m benchmarks [--quick] [--only NAME] [--seed N] [--output FILE.json]``.
+"""``python -m benchmarks``: the library's figures, their gate, its peers, and the objectives.
+
+::
+
+    python -m benchmarks [--quick] [--only NAME] [--seed N] [--output FILE.json]
+    python -m benchmarks --gate | --update-baseline [--full] [--baseline FILE.json] [...]
+    python -m benchmarks peers [--quick] [...]
+    python -m benchmarks objectives ...
 
 Exit code 0 unless a figure of correctness is wrong: speed depends on the machine and on what else
-runs on it, so targets of speed that are missed are shown and do not fail the run.
+runs on it, so targets of speed that are missed are shown and do not fail the run. With ``--gate``
+it is 1 if any figure is worse than the committed baseline allows, and 2 if there is no baseline to
+compare with.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-import time
-from collections.abc import Sequence
-from dataclasses import asdict
-from datetime import datetime, timezone
-from pathlib import Path
+from collections.abc import Mapping, Sequence
 
 from rich.console import Console
 
-from benchmarks import environment, report
-from benchmarks.metric import Metric
-from benchmarks.registry import BENCHMARKS
+from benchmarks import baseline, gate, yardstick
+from benchmarks.baseline import Baseline, BaselineError
+from benchmarks.options import parsed
+from benchmarks.readings import readings
+from benchmarks.registry import BENCHMARKS, PEERS, Benchmark
+from benchmarks.running import Measured, run, summary, wide_console
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run benchmarks, print their tables, and say whether all figures of correctness hold."""
-    options = _parser().parse_args(arguments)
-    started, begin = datetime.now(timezone.utc), time.monotonic()
-    # a table that nobody looks at in a terminal need not squeeze into 80 columns
-    console = Console(width=None if sys.stdout.isatty() else 130)
-    progress = Console(stderr=True, highlight=False)
-    machine = environment.machine()
-    results: dict[str, list[Metric]] = {}
-    names = list(dict.fromkeys(options.only or BENCHMARKS))
-    configurations = {
-        name: BENCHMARKS[name].quick if options.quick else BENCHMARKS[name].full for name in names
-    }
-    for name, config in configurations.items():
+    """Do what the first argument says; the exit code."""
+    given = list(sys.argv[1:] if arguments is None else arguments)
+    if given[:1] == ["objectives"]:
+        from benchmarks.campaign.cli import main as objectives
 
-        def say(step: str, name: str = name) -> None:
-            progress.print(f"{time.monotonic() - begin:6.1f} s  {name}: {step}", style="dim")
+        return objectives(given[1:])
+    if given[:1] == ["peers"]:
+        return _measure(PEERS, parsed(given[1:], "python -m benchmarks peers", PEERS))
+    options = parsed(given, "python -m benchmarks", BENCHMARKS, gated=True)
+    if not (options.gate or options.update_baseline):
+        return _measure(BENCHMARKS, options)
+    try:
+        return _update(options) if options.update_baseline else _gate(options)
+    except BaselineError as error:
+        Console(stderr=True).print(f"error: {error}", style="bold red", markup=False)
+        return 2
 
-        results[name] = list(BENCHMARKS[name].measure(config, options.seed, say))
-        console.print(report.table(name, results[name]))
-        for note in report.notes(results[name]):
-            console.print(f"  {note}", style="dim", highlight=False)
-    if options.output:
-        text = report.document(
-            results,
-            started=started.isoformat(timespec="seconds"),
-            seconds=round(time.monotonic() - begin, 1),
-            mode="quick" if options.quick else "full",
-            seed=options.seed,
-            machine=machine | {"load_after": environment.load()},
-            versions=environment.versions(),
-            configuration={name: asdict(config) for name, config in configurations.items()},
+
+def _measure(benchmarks: Mapping[str, Benchmark], options: argparse.Namespace) -> int:
+    """Measure, print, and say whether all figures of correctness hold."""
+    out = wide_console()
+    measured = run(benchmarks, options.only or list(benchmarks), options.mode, options.seed, out)
+    _write(measured, options)
+    return summary(out, measured.all)
+
+
+def _gate(options: argparse.Namespace) -> int:
+    """Measure, and compare with the baseline."""
+    known = baseline.load(options.baseline)  # before minutes are spent
+    if (known.mode, known.seed) != (options.mode, options.seed):
+        raise BaselineError(
+            f"{options.baseline}: of a {known.mode} run with seed {known.seed}, "
+            f"but this is a {options.mode} run with seed {options.seed}"
         )
-        options.output.write_text(text, encoding="utf-8")
-    return _summary(console, [metric for each in results.values() for metric in each])
+    out, names = wide_console(), options.only or list(BENCHMARKS)
+    before = yardstick.seconds()
+    measured = run(BENCHMARKS, names, options.mode, options.seed, out)
+    found = readings(measured.metrics, max(before, yardstick.seconds()))
+    _write(measured, options)
+    changes = gate.compared(known.readings, found, names if options.only else None)
+    wrong = summary(out, measured.all)
+    if any(change.verdict != "kept" for change in changes):
+        out.print(gate.table(changes))
+    out.print(gate.summary(changes))
+    closed = any(change.closes for change in changes)
+    out.print(f"gate {'CLOSED' if closed or wrong else 'open'}", style="bold")
+    return 1 if closed or wrong else 0
 
 
-def _summary(console: Console, metrics: Sequence[Metric]) -> int:
-    failed = [metric.name for metric in metrics if metric.failed]
-    missed = [metric.name for metric in metrics if metric.met is False and not metric.failed]
-    if missed:
-        console.print(f"targets of speed not met: {'; '.join(missed)}", style="yellow")
-    if failed:
-        console.print(f"figures that are wrong: {'; '.join(failed)}", style="bold red")
-    return 1 if failed else 0
+def _update(options: argparse.Namespace) -> int:
+    """Measure everything, and make it the baseline unless it is wrong."""
+    out = wide_console()
+    before = yardstick.seconds()
+    measured = run(BENCHMARKS, list(BENCHMARKS), options.mode, options.seed, out)
+    found = readings(measured.metrics, max(before, yardstick.seconds()))
+    _write(measured, options)
+    if summary(out, measured.all):
+        raise BaselineError("figures are wrong, so the baseline stays as it was")
+    baseline.save(options.baseline, Baseline(measured.mode, measured.seed, found, measured.facts))
+    out.print(f"{len(found)} figures written to {options.baseline}", markup=False)
+    return 0
 
 
-def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        "python -m benchmarks", description="Measure the library beside its peers."
-    )
-    parser.add_argument("--quick", action="store_true", help="smaller; takes under a minute")
-    parser.add_argument(
-        "--only", action="append", choices=list(BENCHMARKS), metavar="NAME",
-        help=f"one of {', '.join(BENCHMARKS)}; may be repeated",
-    )  # fmt: skip
-    parser.add_argument("--seed", type=_seed, default=0, help="of all random numbers (0)")
-    parser.add_argument("--output", type=_new_file, metavar="FILE.json", help="write figures here")
-    return parser
-
-
-def _seed(text: str) -> int:
-    if not text.isdecimal():
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number from 0")
-    return int(text)
-
-
-def _new_file(text: str) -> Path:
-    """A path that can be written, found out before minutes are spent."""
-    path = Path(text)
-    if not path.parent.is_dir() or path.is_dir():
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a file in a folder that exists")
-    return path
+def _write(measured: Measured, options: argparse.Namespace) -> None:
+    if options.output:
+        options.output.write_text(measured.document(), encoding="utf-8")
 
 
 if __name__ == "__main__":

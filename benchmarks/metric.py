@@ -54,6 +54,27 @@ class Target:
 
 
 @dataclass(frozen=True)
+class Tolerance:
+    """How much worse than the baseline a figure may be before the gate closes.
+
+    Attributes:
+        relative: worse by this part of the baseline; 1.0 lets a time double.
+        absolute: worse by this much, in the figure's unit, if that is more.
+        of: what is compared. "advantage": how many times better than the peer. "yardstick": the
+            time over that of a fixed computation in the same run, which says what machine it is.
+    """
+
+    relative: float
+    _: KW_ONLY
+    absolute: float = 0.0
+    of: Literal["value", "advantage", "yardstick"] = "value"
+
+
+LIMIT_ONLY = Tolerance(math.inf)
+"""For figures that differ from run to run: only their target matters."""
+
+
+@dataclass(frozen=True)
 class Peer:
     """What somebody else's code measured in the same run."""
 
@@ -74,6 +95,7 @@ class Metric:
         advantage: how many times better ours is, from the pairs of single repeats.
         target: what should be reached.
         note: amount of work behind the figure, and what is included.
+        tolerance: of the gate; by unit and target if left out, see ``readings``.
     """
 
     name: str
@@ -85,6 +107,7 @@ class Metric:
     advantage: Spread | None = None
     target: Target | None = None
     note: str = ""
+    tolerance: Tolerance | None = None
 
     @property
     def met(self) -> bool | None:
@@ -101,6 +124,21 @@ class Metric:
     def failed(self) -> bool:
         """Whether a figure of correctness misses its limit."""
         return self.target is not None and self.target.correctness and not self.met
+
+
+@dataclass(frozen=True)
+class Absent:
+    """A peer that could not be asked.
+
+    Attributes:
+        name: of the peer.
+        reason: in two words.
+        remedy: how to get it, or what the system says.
+    """
+
+    name: str
+    reason: str
+    remedy: str
 
 
 def figure(name: str, values: ArrayLike, unit: str, **rest: Any) -> Metric:

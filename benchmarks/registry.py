@@ -1,4 +1,4 @@
-"""The benchmarks by name."""
+"""The benchmarks by name, those of the library and those beside peers."""
 
 from __future__ import annotations
 
@@ -7,10 +7,19 @@ from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any
 
-from benchmarks import clearance, large_terrain, objective, probability
-from benchmarks.metric import Metric
+from benchmarks import (
+    anytime,
+    clearance,
+    distances,
+    large_terrain,
+    objective,
+    probability,
+    ranking,
+    roadmap,
+)
+from benchmarks.metric import Absent, Metric
 
-Measure = Callable[[Any, int, Callable[[str], None]], Iterator[Metric]]
+Measure = Callable[[Any, int, Callable[[str], None]], Iterator[Metric | Absent]]
 
 
 @dataclass(frozen=True)
@@ -28,14 +37,25 @@ class Benchmark:
     quick: Any
 
 
-BENCHMARKS: Mapping[str, Benchmark] = MappingProxyType(
-    {
-        name: Benchmark(module.measure, module.Config(), module.QUICK)
-        for name, module in (
-            ("clearance", clearance),
-            ("large-terrain", large_terrain),
-            ("objective", objective),
-            ("probability", probability),
-        )
-    }
+def _registered(**modules: Any) -> Mapping[str, Benchmark]:
+    """Benchmarks by name; each module has ``measure``, ``Config`` and ``QUICK``."""
+    return MappingProxyType(
+        {
+            name.replace("_", "-"): Benchmark(module.measure, module.Config(), module.QUICK)
+            for name, module in modules.items()
+        }
+    )
+
+
+BENCHMARKS = _registered(
+    clearance=clearance,
+    large_terrain=large_terrain,
+    objective=objective,
+    probability=probability,
+    ranking=ranking,
+    roadmap=roadmap,
 )
+"""What the library promises; kept by the gate."""
+
+PEERS = _registered(distances=distances, anytime=anytime)
+"""Beside others, as far as they are installed."""

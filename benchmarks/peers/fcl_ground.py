@@ -6,10 +6,11 @@ import fcl
 import numpy as np
 from numpy.typing import NDArray
 
+from benchmarks.peers.ground import Ground
 from ompl_risk.terrains import Terrain
 
 
-class FclGround:
+class FclGround(Ground):
     """Distance and collision of a sphere with a terrain's mesh.
 
     Tree, bodies and requests are made once. A call pays for moving the sphere and for the search;
@@ -20,6 +21,10 @@ class FclGround:
         terrain: the ground.
         radius: of the sphere [m].
     """
+
+    interface = "fcl.distance, one search a call, called in a loop"
+    threading = "none of its own, and it holds Python's lock: the same"
+    batched = False
 
     def __init__(self, terrain: Terrain, radius: float = 0.0) -> None:
         mesh = terrain.surface()

@@ -171,7 +171,7 @@ def test_the_exit_code_is_that_of_correctness(fake, capsys, metric: Metric, code
     assert command.main(["--only", "fake"]) == code
     captured = capsys.readouterr()
     assert metric.name in captured.out
-    assert ("targets of speed not met: slow" in captured.out) == (metric is SLOW)
+    assert ("targets not met: slow" in captured.out) == (metric is SLOW)
     assert ("figures that are wrong: off" in captured.out) == (metric is WRONG)
     assert "fake: at it" in captured.err
 

@@ -91,7 +91,7 @@ def test_paths_are_judged_from_their_corners_alone():
     config = Config()
     ground = FclGround(FLAT, config.problem.radius)
     level = np.array([[100.0, 200.0, 45.0], [1300.0, 200.0, 45.0], [1300.0, 800.0, 45.0]])
-    cost, least = judge(level, FLAT, ground, config)
+    cost, least = judge(level, FLAT, ground, config.problem)
     f = 1 / 40 - 1 / config.problem.d0
     assert cost == pytest.approx(f * f * 1800 / config.problem.speed, rel=1e-9)
     assert least == pytest.approx(40.0)
@@ -99,17 +99,17 @@ def test_paths_are_judged_from_their_corners_alone():
     length, t = np.linalg.norm(climb[1] - climb[0]), np.linspace(0.0, 1.0, 20_001)
     f = InverseDistance(config.problem.d0)(40.0 + 40.0 * t)
     expected = Sobolev(1).power(t * length / config.problem.speed, f)
-    assert judge(climb, FLAT, ground, config)[0] == pytest.approx(expected, rel=1e-4)
+    assert judge(climb, FLAT, ground, config.problem)[0] == pytest.approx(expected, rel=1e-4)
 
 
 @pytest.mark.parametrize("z", [-300.0, 4.0])
 def test_a_path_below_or_into_the_ground_is_in_collision(z):
     config = Config()
     corners = np.array([[100.0, 200.0, 45.0], [1300.0, 200.0, z], [1300.0, 800.0, 45.0]])
-    cost, least = judge(corners, FLAT, FclGround(FLAT, config.problem.radius), config)
+    cost, least = judge(corners, FLAT, FclGround(FLAT, config.problem.radius), config.problem)
     assert cost == math.inf
     assert least <= 0.0
-    assert judge(np.empty((0, 3)), FLAT, FclGround(FLAT), config) == (math.inf, math.inf)
+    assert judge(np.empty((0, 3)), FLAT, FclGround(FLAT), config.problem) == (math.inf, math.inf)
 
 
 def test_peer_and_library_agree_on_motions(problem):

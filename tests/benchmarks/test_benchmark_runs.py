@@ -5,7 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks import clearance, large_terrain, objective, planning, probability
+from benchmarks import (
+    anytime,
+    clearance,
+    convergence,
+    large_terrain,
+    objective,
+    planning,
+    probability,
+    ranking,
+    roadmap,
+)
 from benchmarks.metric import Metric, Target
 
 
@@ -112,3 +122,66 @@ def test_a_wrong_distance_is_noticed(terrain_file, monkeypatch):
     monkeypatch.setattr(clearance.TerrainClearance, "__call__", wrong)
     failed = [m.name for m in clearance.measure(config, 0, lambda _: None) if m.failed]
     assert failed == ["error against all triangles"]
+
+
+def test_ranking(terrain_file):
+    metrics = run(
+        ranking,
+        ranking.Config(
+            terrain=terrain_file, trajectories=3, states=60, start=(500.0, 600.0),
+            goal=(2300.0, 2200.0), shared=2, repeats=1,
+        ),
+    )  # fmt: skip
+    assert metrics["norms of f and P_c, relative error"].value.median <= 1e-12
+    assert peers(metrics["one trajectory, states as given"]) > 0.0
+
+
+def test_a_wrong_norm_is_noticed(terrain_file, monkeypatch):
+    config = ranking.Config(
+        terrain=terrain_file, trajectories=2, states=60, start=(500.0, 600.0),
+        goal=(2300.0, 2200.0), shared=1, repeats=1,
+    )  # fmt: skip
+    original = ranking.four_norms
+
+    def wrong(t, g):
+        return [*original(t, g)[:3], original(t, g)[3] * (1.0 + 1e-8)]
+
+    monkeypatch.setattr(ranking, "four_norms", wrong)
+    failed = [m.name for m in ranking.measure(config, 0, lambda _: None) if m.failed]
+    assert failed == ["norms of f and P_c, relative error"]
+
+
+def test_anytime(problem):
+    config = anytime.Config(problem, seconds=1.0, ours=0.5, short=0.2, seeds=1, in_processes=False)
+    metrics = run(anytime, config)
+    for name in ("RRTstar", "BITstar"):
+        when = metrics[f"time to the cost that {name} has after 1 s"]
+        assert 0.0 < peers(when) <= 1.1
+    assert np.isfinite(metrics["cost after 0.5 s, RRTstar's after 1 s"].value.median)
+    assert metrics["least clearance of our paths"].value.median > 0.0
+
+
+def test_what_a_run_reached_and_when():
+    rows = np.array([[0.1, 8.0], [0.5, 5.0], [2.0, 1.0]])
+    reached = convergence.Run(rows, np.zeros((2, 3)))
+    assert [reached.seconds_to(c) for c in (9.0, 8.0, 6.0, 5.0, 1.0)] == [0.1, 0.1, 0.5, 0.5, 2.0]
+    assert reached.seconds_to(0.9) == np.inf
+    assert reached.cost == 1.0
+    nothing = convergence.Run(np.empty((0, 2)), np.empty((0, 3)))
+    assert (nothing.cost, nothing.seconds_to(1e9)) == (np.inf, np.inf)
+
+
+def test_roadmap(problem):
+    config = roadmap.Config(
+        problem, vertices=300, sizes=(300, 600), complete_sizes=(300, 600), alternatives=3,
+        apart=50.0, repeats=1,
+    )  # fmt: skip
+    metrics = {m.name: m for m in roadmap.measure(config, 0, lambda _: None)}
+    lazy = metrics["300 vertices, edges as a search needs them: evaluated"].value.median
+    complete = metrics["300 vertices, every edge: evaluated"].value.median
+    assert 0 < lazy < 0.5 * complete
+    assert complete > 300 * 5
+    assert 1 <= metrics["alternatives found"].value.median <= 3
+    # 16 bytes for each of some ten edges a vertex at the very least
+    assert metrics["memory of 600 vertices"].value.median > 160.0
+    assert {m.name for m in metrics.values() if m.failed} == set()

@@ -1,4 +1,5 @@
 import math
+import pickle
 
 import numpy as np
 import pytest
@@ -108,3 +109,39 @@ def test_window_against_all_windows(weights, data, share):
         if sum(weights[a:b]) >= share * sum(weights) * (1 - 1e-9)
     ]
     assert t[j] - t[i] == min(wide_enough)
+
+
+def test_attributions_are_found_when_asked_for_and_once(monkeypatch):
+    calls = []
+
+    class Counted(Lp):
+        def shares(self, t, f):
+            calls.append(self.p)
+            return super().shares(t, f)
+
+    found = rank(
+        [TWO_BUMPS], lambda p: p[:, 2], InverseDistance(100.0), [Counted(1), Counted(2)],
+        max_step=None,
+    )["A"]  # fmt: skip
+    assert calls == []
+    assert list(found.attribution) == list(found.norms)
+    part = found.attribution["L2"]
+    assert found.attribution["L2"] is part
+    assert calls == [2.0]
+    assert part.shares == pytest.approx(ranked().attribution["L2"].shares, rel=1e-15)
+    with pytest.raises(KeyError):
+        found.attribution["L7"]
+    assert len(found.attribution) == 2
+    assert "L1" in found.attribution
+    assert repr(found.attribution) == "Attributions(L1, L2)"
+
+
+def test_a_ranking_is_the_same_after_pickling():
+    found = rank([TWO_BUMPS], HeightOnly(), InverseDistance(100.0), [Lp(1)], max_step=None)
+    again = pickle.loads(pickle.dumps(found))
+    assert again["A"].attribution["L1"].start == found["A"].attribution["L1"].start
+
+
+class HeightOnly:
+    def __call__(self, points):
+        return points[:, 2]
