@@ -8,7 +8,10 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
-PACKAGES = ("ompl-risk", "ompl", "python-fcl", "numpy", "numba", "scipy", "trimesh")
+PACKAGES = (
+    "ompl-risk", "ompl", "python-fcl", "numpy", "numba", "scipy", "trimesh",
+    "coal", "open3d", "open3d-cpu", "fcpw", "libigl",
+)  # fmt: skip
 
 
 def machine() -> dict[str, Any]:
