@@ -38,7 +38,10 @@ class RoadmapFinder(Finder):
         if settings.samples < 1:
             raise ArgumentError("samples", settings.samples, "a whole number of at least 1")
         self._norm = parse_norm(settings.roadmap_norm, argument="roadmap_norm")
-        Risk(problem.avoidance, self._norm, speed=problem.speed)  # refuses what does not add up
+        try:
+            Risk(problem.avoidance, self._norm, speed=problem.speed)
+        except ArgumentError as error:
+            raise ArgumentError("roadmap_norm", settings.roadmap_norm, error.allowed) from None
         self._settings, self._problem = settings, problem
 
     def find(self, folder: RunFolder, console: Console) -> Found:

@@ -4,5 +4,6 @@ from ompl_risk.probability.estimators import BallSampling as BallSampling
 from ompl_risk.probability.estimators import ColumnQuadrature as ColumnQuadrature
 from ompl_risk.probability.estimators import Estimator as Estimator
 from ompl_risk.probability.profile import CollisionProfile as CollisionProfile
+from ompl_risk.probability.profile import collision_probabilities as collision_probabilities
 from ompl_risk.probability.profile import collision_probability as collision_probability
 from ompl_risk.probability.proportion import Proportion as Proportion

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -125,6 +127,67 @@ def collision_probability(
         f"{estimate.method}, obstacles{body}",
         estimate.ever,
     )
+
+
+def collision_probabilities(
+    trajectories: Trajectory | Iterable[Trajectory],
+    obstacles: Any,
+    radius: float = 100.0,
+    *,
+    estimator: Estimator | None = None,
+    grow: bool = False,
+    max_step: float | Literal["auto"] | None = "auto",
+) -> dict[str, CollisionProfile]:
+    """``collision_probability`` of many trajectories by name, as `rank` takes them.
+
+    Over terrain, by quadrature, threads take a trajectory each, which is quicker than one after the
+    other; the profiles are the same.
+
+    Args:
+        trajectories: one or many, with names that differ.
+        obstacles: see ``collision_probability``, as for all that follow.
+        radius: of the ball [m].
+        estimator: how.
+        grow: whether by the body.
+        max_step: longest step between states [m].
+
+    Raises:
+        ArgumentError: names that repeat, or as for one trajectory.
+    """
+    chosen = [trajectories] if isinstance(trajectories, Trajectory) else list(trajectories)
+    for each in chosen:
+        if not isinstance(each, Trajectory):
+            raise ArgumentError("trajectories", type(each).__name__, "objects of class Trajectory")
+    names = [each.name for each in chosen]
+    if len(set(names)) < len(names):
+        twice = next(name for name in names if names.count(name) > 1)
+        raise ArgumentError("trajectories", twice, "names that differ: Trajectory(..., name=...)")
+    clearance, threads = _shared_out(_as_clearance(obstacles, grow), estimator, len(chosen))
+
+    def work(each: Trajectory) -> CollisionProfile:
+        return collision_probability(
+            each, clearance, radius, estimator=estimator, grow=grow, max_step=max_step
+        )
+
+    if threads == 1:
+        return dict(zip(names, map(work, chosen), strict=True))
+    with ThreadPoolExecutor(threads) as pool:
+        return dict(zip(names, pool.map(work, chosen), strict=True))
+
+
+def _shared_out(clearance: Any, estimator: Estimator | None, count: int) -> tuple[Any, int]:
+    """The clearance for each of some trajectories, and how many of them at a time.
+
+    Nobody else's code runs in threads, and a generator of random numbers has its order.
+    """
+    quadrature = estimator is None or type(estimator) is ColumnQuadrature
+    if type(clearance) is not TerrainClearance or not quadrature:
+        return clearance, 1
+    if count < 2 * clearance.threads:
+        return clearance, 1
+    single = clearance.with_radius(clearance.radius)
+    single.threads = 1
+    return single, clearance.threads
 
 
 def _as_clearance(obstacles: Any, grow: bool) -> Any:

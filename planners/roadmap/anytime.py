@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections import deque
 from collections.abc import Callable
@@ -21,8 +22,11 @@ FIRST_SLOW = 200
 GROWTH = 0.5
 """States sampled after that, as a share of those there are."""
 
-LIMIT = 2_000_000
-"""States sampled before growing ends of itself, for the sake of memory."""
+LIMIT = 1_000_000
+"""Vertices at which growing ends of itself, for the sake of memory."""
+
+MOST_SLOW = 1000
+"""States sampled at a time at most where every distance is a call of Python."""
 
 Stop = Callable[[], bool]
 Polish = Callable[[FloatArray], FloatArray]
@@ -75,7 +79,8 @@ class Growing:
         self._roadmap, self._polish, self._enough = roadmap, polish, enough
         self._begin = time.monotonic() - seconds
         self._first = FIRST if roadmap.compiled else FIRST_SLOW
-        self._left = LIMIT if samples is None else samples
+        self._most = LIMIT if roadmap.compiled else MOST_SLOW
+        self._left = math.inf if samples is None else samples
         self._history = [] if history is None else history
         self.more_goals: deque[FloatArray] = deque()
 
@@ -89,20 +94,21 @@ class Growing:
         self._look(stop)
         while not stop() and not self._finished():
             self._add_goals()
-            size = min(max(self._first, int(GROWTH * self._roadmap.n)), self._left)
+            size = min(max(self._first, int(GROWTH * self._roadmap.n)), self._most, self._left)
             self._left -= size
-            self._roadmap.grow(size, stop)
+            self._roadmap.grow(int(size), stop)
             self._look(stop)
 
     def _finished(self) -> bool:
         roadmap = self._roadmap
         if roadmap.best is not None and self._enough(roadmap.best.cost):
             return True
-        return roadmap.nothing_to_gain() or self._left <= 0
+        return roadmap.nothing_to_gain() or self._left <= 0 or roadmap.n >= LIMIT
 
     def _add_goals(self) -> None:
         while self.more_goals:
-            self._roadmap.add_goals(self.more_goals.popleft()[None, :])
+            self._roadmap.add_goals(self.more_goals[0][None, :])
+            self.more_goals.popleft()
 
     def _look(self, stop: Stop) -> None:
         """Search the roadmap; polish what is new, and let its corners be vertices."""

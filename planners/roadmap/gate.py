@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,3 +64,30 @@ class ClearanceGate(Gate):
     def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
         """Which motions are free throughout."""
         return self._motions.are_free(a, b)
+
+
+class AllGates(Gate):
+    """Allows what several gates allow.
+
+    Args:
+        gates: one or more.
+    """
+
+    def __init__(self, gates: Sequence[Gate]) -> None:
+        self._gates = tuple(gates)
+        self.compiled = all(gate.compiled for gate in gates)
+
+    def allows_states(self, states: FloatArray) -> Flags:
+        """Which states all of them allow."""
+        return np.all([gate.allows_states(states) for gate in self._gates], axis=0)
+
+    def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
+        """Which motions all of them allow."""
+        return np.all([gate.allows_motions(a, b) for gate in self._gates], axis=0)
+
+
+def all_of(gates: Sequence[Gate]) -> Gate:
+    """One gate for several, or for none."""
+    if not gates:
+        return OpenGate()
+    return gates[0] if len(gates) == 1 else AllGates(gates)

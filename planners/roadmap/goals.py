@@ -57,24 +57,33 @@ class GoalSource:
             f"the goal, {kind}, gives no states: use GoalState, GoalStates or a sampleable region"
         )
 
-    def first(self) -> list[FloatArray]:
-        """The states to begin with."""
-        return self._next(FIRST) if self._has_states else []
+    def first(self, until: Callable[[], bool]) -> list[FloatArray]:
+        """The states to begin with: all of several, some of a region.
+
+        Args:
+            until: whether to give up, while a region has given none that is free.
+        """
+        if not self._has_states:
+            return []
+        found = self._next(MOST if isinstance(self._goal, ob.GoalStates) else FIRST)
+        while not found and self._inputs.haveMoreGoalStates() and not until():
+            found = self._next(1)
+        return found
 
     def later(self) -> list[FloatArray]:
         """Further states, if it is time for some."""
-        if time.monotonic() < self._last + PAUSE:
+        if not self._has_states or time.monotonic() < self._last + PAUSE:
             return []
         self._last = time.monotonic()
-        return self._next(LATER)
+        return self._next(LATER) if self._inputs.getSampledGoalsCount() < MOST else []
 
     def _next(self, most: int) -> list[FloatArray]:
+        """At most so many states, from as many attempts: some may not be free."""
         found: list[FloatArray] = []
-        while len(found) < most and self._inputs.getSampledGoalsCount() < MOST:
+        for _ in range(most):
             if not self._inputs.haveMoreGoalStates():
                 break
             state = self._inputs.nextGoal()
-            if state is None:
-                break
-            found.append(self._numbers(state))
+            if state is not None:
+                found.append(self._numbers(state))
         return found

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 from ompl import base as ob
+from ompl import geometric as og
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk.bridge.conditions import after
@@ -25,7 +26,7 @@ from ompl_risk.planners.roadmap.exploring import (
 from ompl_risk.planners.roadmap.goals import GoalSource
 from ompl_risk.planners.roadmap.publishing import add_solutions, to_path
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
-from ompl_risk.planners.roadmap.setting import Setting, read_setting
+from ompl_risk.planners.roadmap.setting import CheckerGate, Setting, read_setting
 from ompl_risk.planners.roadmap.warming import warm_up
 from ompl_risk.planners.roadmap.worker import Worker
 from ompl_risk.planners.sides import Sides
@@ -36,13 +37,15 @@ class RiskRoadmap(ob.Planner):
 
     Grows a roadmap in batches, finds its least costly path by evaluating hardly more edges than
     lie on it, polishes that, and samples on where the path can still be improved. Starts,
-    goals, bounds, objective and termination condition are OMPL's; it stops within some 50 ms of the
-    condition with the best path so far, and goes on from there when ``solve`` is called again.
+    goals, bounds, objective and termination condition are OMPL's, read when it meets them first;
+    call ``clear`` if they change. It stops within some 50 ms of the condition with the best path so
+    far, and goes on from there when ``solve`` is called again.
 
     Works over R^3 and SE(3), with a ``RiskObjective`` of any norm and clearance, or for path
     length. With other clearances than a ``TerrainClearance``, and with a validity checker or motion
     validator that is not this library's, Python runs for states and motions, batched, and some
-    hundred times slower; ``compiled`` says whether it does.
+    hundred times slower; ``compiled`` says whether it does. It then stops once the portion at hand
+    is done.
 
     Args:
         si: the space information.
@@ -93,6 +96,10 @@ class RiskRoadmap(ob.Planner):
         self._roadmap: Roadmap | None = None
         self._worker: Worker | None = None
         self._seconds = 0.0
+        self._announced: Route | None = None
+        self._published: list[og.PathGeometric] = []
+        self._new_starts: list[FloatArray] = []
+        self._new_goals: list[FloatArray] = []
         self.history: list[Progress] = []
         self.reason = ""
 
@@ -111,13 +118,14 @@ class RiskRoadmap(ob.Planner):
         """Read the problem and compile, so that ``solve`` spends its time on planning."""
         super().setup()
         if self.getProblemDefinition() is not None:
-            warm_up(self._opened())
+            warm_up(self._opened().risk.norm)
 
     def clear(self) -> None:
         """Forget the roadmap and what was found."""
         super().clear()
         self._leave()
         self._roadmap, self._setting, self._seconds = None, None, 0.0
+        self._announced, self._published, self._new_starts, self._new_goals = None, [], [], []
         self.history, self.reason = [], ""
 
     def clearQuery(self) -> None:
@@ -139,11 +147,14 @@ class RiskRoadmap(ob.Planner):
             Exception: what a clearance or checker raised; what was found before is kept.
         """
         condition: Any = after(float(ptc)) if isinstance(ptc, int | float) else ptc
-        self._leave()
+        if self._worker is not None:
+            if not self._worker.ended(condition):
+                return self._status()
+            self._worker = None
         self.checkValidity()
         roadmap = self._opened()
         goals = GoalSource(self.getProblemDefinition(), self.getPlannerInputStates(), self._reader)
-        wrong = self._read_ends(roadmap, goals)
+        wrong = self._read_ends(roadmap, goals, condition)
         if wrong is not None:
             return ob.PlannerStatus(wrong)
         work = Growing(
@@ -154,25 +165,45 @@ class RiskRoadmap(ob.Planner):
             samples=self._iterations,
             history=self.history,
         )
+        # A checker of the user may only be asked by one thread at a time, and no clock may decide
+        # which goals there are where the same path is wanted again.
+        more = not isinstance(roadmap.gate, CheckerGate) and self._iterations is None
+
+        def meanwhile() -> None:
+            self._announce(roadmap)
+            if more:
+                work.more_goals.extend(goals.later())
+
         self._worker = Worker(work, abandon=roadmap.compiled)
         try:
-            self._worker.wait(condition, lambda: work.more_goals.extend(goals.later()))
+            self._worker.wait(condition, meanwhile)
         finally:
             self._conclude(roadmap, work)
-        return ob.PlannerStatus(roadmap.best is not None, False)
+        return self._status()
+
+    def _status(self) -> ob.PlannerStatus:
+        found = self._roadmap is not None and self._roadmap.best is not None
+        return ob.PlannerStatus(found, False)
+
+    def _announce(self, roadmap: Roadmap) -> None:
+        """Publish a better path as soon as there is one: a condition may wait for it."""
+        best = roadmap.best
+        if best is not None and best is not self._announced:
+            self._announced = best
+            self.publish([best])
 
     def _conclude(self, roadmap: Roadmap, work: Growing) -> None:
         """Publish the best path, keep the history."""
-        best = roadmap.best
         self._seconds = work.seconds
-        if best is None:
+        if roadmap.best is None:
             self.reason = (
                 f"no path in a roadmap of {roadmap.n} vertices, of which {roadmap.reached} may be "
                 "reached from the start: more time, wider bounds or a smaller vehicle may help"
             )
             return
         self.reason = ""
-        self.publish([best])
+        self._announced = roadmap.best
+        self.publish([roadmap.best])
 
     def alternatives(
         self, count: int = 20, *, excess: float = 0.05, min_distance: float | None = None
@@ -216,9 +247,17 @@ class RiskRoadmap(ob.Planner):
         A better exact solution of another planner that is there already stays first.
         """
         problem: Any = self.getProblemDefinition()
-        si, turns = self.getSpaceInformation(), self._turns
-        paths = [to_path(si, route.states, turns) for route in routes]
-        add_solutions(problem, paths, problem.getOptimizationObjective(), self.getName())
+        paths = [self._path(route) for route in routes]
+        objective, name = problem.getOptimizationObjective(), self.getName()
+        add_solutions(problem, paths, objective, name, self._published)
+        self._published = paths
+
+    def _path(self, route: Route) -> og.PathGeometric:
+        si, turns = self.getSpaceInformation(), None
+        whole = self._roadmap.whole if self._roadmap is not None else {}
+        if self._reader.width == 7 and route.states.shape[1] == 3:
+            turns = whole[int(route.vertices[0])][3:], whole[int(route.vertices[-1])][3:]
+        return to_path(si, route.states, turns)
 
     def _opened(self) -> Roadmap:
         """The roadmap, made from the problem the first time."""
@@ -229,7 +268,6 @@ class RiskRoadmap(ob.Planner):
                 si, objective, seed=self._seed, steering=self._steering, threads=self._threads
             )
             self._reader = _Numbers(si)
-            self._turns: tuple[FloatArray, FloatArray] | None = None
             self._roadmap = Roadmap(
                 setting.region,
                 setting.motions,
@@ -240,17 +278,19 @@ class RiskRoadmap(ob.Planner):
             )
         return self._roadmap
 
-    def _read_ends(self, roadmap: Roadmap, goals: GoalSource) -> Any:
+    def _read_ends(self, roadmap: Roadmap, goals: GoalSource, until: Callable[[], bool]) -> Any:
         """Take in starts and goals; the status to return if there is none, and say why."""
-        inputs, width = self.getPlannerInputStates(), roadmap.region.width
-        starts: list[FloatArray] = []
+        inputs = self.getPlannerInputStates()
         while (state := inputs.nextStart()) is not None:
-            starts.append(self._reader(state))
-        ends = goals.first()
-        if starts and ends and width == 3 and len(starts[0]) == 7:
-            self._turns = starts[0][3:], ends[0][3:]
-        roadmap.add_starts(np.array(starts).reshape(-1, self._reader.width)[:, :width])
-        roadmap.add_goals(np.array(ends).reshape(-1, self._reader.width)[:, :width])
+            self._new_starts.append(self._reader(state))
+        self._new_goals += goals.first(until)
+        # Kept until they have been taken in: a clearance may raise, and OMPL gives each only once.
+        if self._new_starts:
+            roadmap.add_starts(np.array(self._new_starts))
+            self._new_starts = []
+        if self._new_goals:
+            roadmap.add_goals(np.array(self._new_goals))
+            self._new_goals = []
         if not roadmap.starts:
             self.reason = "no start state that is within the bounds and free"
             return ob.PlannerStatus.INVALID_START

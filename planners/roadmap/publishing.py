@@ -46,7 +46,11 @@ def _turning(positions: FloatArray, first: FloatArray, last: FloatArray) -> Floa
 
 
 def add_solutions(
-    problem: Any, paths: Sequence[og.PathGeometric], objective: Any, name: str
+    problem: Any,
+    paths: Sequence[og.PathGeometric],
+    objective: Any,
+    name: str,
+    own: Sequence[og.PathGeometric] = (),
 ) -> None:
     """Make the first path the solution, unless a better one of another planner is there.
 
@@ -58,12 +62,13 @@ def add_solutions(
         paths: the best first.
         objective: by which a solution that is there already is compared; None for the length.
         name: of the planner.
+        own: paths that the planner put in before.
     """
     ordered = list(paths)
-    if problem.hasExactSolution():
-        there = problem.getSolutionPath()
-        if _cost(there, objective) < _cost(ordered[0], objective):
-            ordered.insert(0, there)
+    there: Any = problem.getSolutionPath() if problem.hasExactSolution() else None
+    foreign = there is not None and not any(there is path for path in own)
+    if foreign and (not ordered or _cost(there, objective) < _cost(ordered[0], objective)):
+        ordered.insert(0, there)
     problem.clearSolutionPaths()
     for rank, path in enumerate(ordered):
         problem.addSolutionPath(path, rank > 0, float(rank) if rank else -1.0, name)

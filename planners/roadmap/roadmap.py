@@ -66,8 +66,10 @@ class Roadmap:
         clearance: there [m], shape (n,).
         starts, goals: vertices where paths begin and end.
         edges: between the vertices.
+        whole: starts and goals with all their numbers, by vertex.
         best: the best route so far.
         evaluated: number of edges whose exact risk was needed.
+        reached: vertices that could be reached from a start when a search last was in vain.
     """
 
     def __init__(
@@ -87,8 +89,10 @@ class Roadmap:
         self.starts: list[int] = []
         self.goals: list[int] = []
         self.edges = Edges(time_weight=self._time_weight, undirected=undirected)
+        self.whole: dict[int, FloatArray] = {}
         self.best: Route | None = None
         self.evaluated = 0
+        self.reached = 0
         self._threads = threads
         self._search = LazySearch(self.edges, maximum=self.maximum)
         self._portions = Portions()
@@ -108,18 +112,24 @@ class Roadmap:
         """Number of vertices."""
         return len(self.states)
 
-    @property
-    def reached(self) -> int:
-        """After a search in vain: how many vertices can be reached from a start."""
-        return self._search.reached
-
     def add_starts(self, states: FloatArray) -> None:
-        """Add states where paths may begin, shape (k, width); only those that are allowed."""
-        self.starts += self.insert(states[self._allowed(states)]).tolist()
+        """Add states where paths may begin, those that are allowed; see ``add_goals``."""
+        self.starts += self._add_ends(states)
 
     def add_goals(self, states: FloatArray) -> None:
-        """Add states where paths may end, shape (k, width); only those that are allowed."""
-        self.goals += self.insert(states[self._allowed(states)]).tolist()
+        """Add states where paths may end, those that are allowed.
+
+        Args:
+            states: shape (k, width), or wider: what the roadmap does not plan is kept in ``whole``.
+        """
+        self.goals += self._add_ends(states)
+
+    def _add_ends(self, states: FloatArray) -> list[int]:
+        planned = np.ascontiguousarray(states[:, : self.region.width])
+        allowed = self._allowed(planned)
+        numbers = self.insert(planned[allowed]).tolist()
+        self.whole.update(zip(numbers, states[allowed], strict=True))
+        return numbers
 
     def grow(self, n: int, stop: Stop = never) -> int:
         """Sample n states and connect those that are allowed and could improve on ``best``.
@@ -127,7 +137,7 @@ class Roadmap:
         Returns:
             How many were added; fewer if ``stop`` says so.
         """
-        states = self.region.sample(n)
+        states = self.region.sample(n, within=self._worthwhile())
         found = [states[part][self._useful(states[part])] for part in self._parts(n, stop)]
         return len(self.insert(np.vstack([np.empty((0, self.region.width)), *found])))
 
@@ -135,6 +145,26 @@ class Roadmap:
         allowed = self.motions.clearances(states) > 0.0
         allowed[allowed] = self.gate.allows_states(states[allowed])
         return allowed
+
+    def _worthwhile(self) -> tuple[FloatArray, FloatArray] | None:
+        """A box outside which no path is better than the best, for the sake of its length.
+
+        Positions from which both ends are not farther than L in all fill an ellipsoid with the ends
+        as foci (Gammell, Srinivasa & Barfoot, Informed RRT*, IROS 2014); this is its box.
+        """
+        best, ends = self.best, [*self.starts, *self.goals]
+        if best is None or len(ends) != 2 or self.maximum:
+            return None
+        a, b = self.states[ends, :3]
+        longest = self.risk.speed * (best.risk / self._time_weight + best.duration)
+        between = float(np.linalg.norm(b - a))
+        along = (b - a) / between if between > 0.0 else np.zeros(3)
+        wide = math.sqrt(max(longest * longest - between * between, 0.0))
+        half = 0.5 * np.sqrt((longest * along) ** 2 + wide * wide * (1.0 - along**2))
+        middle = 0.5 * (a + b)
+        low = np.maximum(self.region.low, middle - half)
+        high = np.minimum(self.region.high, middle + half)
+        return (low, high) if (low < high).all() else None
 
     def _useful(self, states: FloatArray) -> NDArray[np.bool_]:
         useful = self._allowed(states)
@@ -149,7 +179,8 @@ class Roadmap:
             return np.ones(len(states), np.bool_)
         risk, duration = self._least(states, d)
         if not self.maximum:
-            return risk + self._time_weight * duration < best.cost
+            least = best.risk + self._time_weight * best.duration
+            return risk + self._time_weight * duration < least
         return (risk < best.cost) | ((risk <= best.cost) & (duration < best.duration))
 
     def _least(self, states: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -184,14 +215,16 @@ class Roadmap:
             Their numbers, shape (k,).
         """
         start = self.n
-        self.states = np.vstack([self.states, states])
-        self.clearance = np.concatenate([self.clearance, self.motions.clearances(states)])
-        tail, head = new_pairs(self.states, start, self.region, self._threads)
+        # A user's clearance may raise: nothing is changed before all has been answered.
+        every = np.vstack([self.states, states])
+        clearance = np.concatenate([self.clearance, self.motions.clearances(states)])
+        tail, head = new_pairs(every, start, self.region, self._threads)
         if not self.edges.undirected:
             tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
-        a, b = self.states[tail], self.states[head]
-        bound = self.motions.heuristics(a, b, self.clearance[tail], self.clearance[head])
+        a, b = every[tail], every[head]
+        bound = self.motions.heuristics(a, b, clearance[tail], clearance[head])
         least = self.motions.least_durations(a, b)
+        self.states, self.clearance = every, clearance
         self.edges.add(self.n, tail, head, risk=bound, duration=least)
         return np.arange(start, self.n, dtype=np.int32)
 
@@ -242,7 +275,15 @@ class Roadmap:
             self.evaluate(numbers, tail, head, stop)
 
         half = search.path(self.starts, evaluate, stop)
-        return None if half is None else self._route(half)
+        if half is not None:
+            return self._route(half)
+        if not stop():
+            self.reached = self._count_reached()
+        return None
+
+    def _count_reached(self) -> int:
+        bounds = Graph(*self.edges.rows, self.edges.weight, self.edges.weight, self.maximum)
+        return int(np.isfinite(bounds.tree(self.starts, self.edges.weight).distance).sum())
 
     def _route(self, half: NDArray[np.int64]) -> Route:
         source = int(np.searchsorted(self.edges.first, half[0], side="right")) - 1

@@ -38,7 +38,6 @@ class LazySearch:
 
     Attributes:
         rest: lower bounds for the way from each vertex to a goal, shape (n,).
-        reached: after a search in vain, how many vertices can be reached from the roots.
     """
 
     def __init__(self, edges: Edges, *, maximum: bool = False) -> None:
@@ -46,7 +45,6 @@ class LazySearch:
         self._rows = np.zeros(1, np.int64)
         self._goals: list[int] = []
         self._fresh = 0
-        self.reached = 0
         self.rest: FloatArray = np.empty(0)
 
     def weight(self) -> FloatArray:
@@ -60,12 +58,13 @@ class LazySearch:
             n_old, self._fresh, self._goals = 0, n, []
         self.rest = np.concatenate([self.rest[:n_old], np.full(n - n_old, math.inf)])
         self.rest[[goal for goal in goals if goal not in self._goals]] = 0.0
-        longer = np.diff(self._edges.first)
+        backward = self._edges.backward
+        longer = np.diff(backward[0])
         longer[:n_old] -= np.diff(self._rows)[:n_old]
         seeds = np.flatnonzero((longer > 0) & np.isfinite(self.rest))
-        self._goals, self._rows = list(goals), self._edges.first
+        self._goals, self._rows = list(goals), backward[0]
         kernels.shortest_paths(
-            *self._edges.backward, self.weight(), seeds.astype(np.int32), self._maximum,
+            *backward, self.weight(), seeds.astype(np.int32), self._maximum,
             self.rest, np.empty(n, np.int32), np.empty(n, np.int64),
         )  # fmt: skip
 
@@ -86,7 +85,6 @@ class LazySearch:
                 tree.distance, tree.parent, tree.via,
             )  # fmt: skip
             if goal < 0:
-                self.reached = int(np.isfinite(tree.distance).sum())
                 return None
             half, vertices = tree.half_edges(goal), tree.vertices(goal)
             numbers = self._edges.edge[half]

@@ -21,7 +21,7 @@ from ompl_risk.motion.steering import Steering
 from ompl_risk.norms import Lp
 from ompl_risk.planners.improve import refine
 from ompl_risk.planners.roadmap.anytime import Polish
-from ompl_risk.planners.roadmap.gate import ClearanceGate, Flags, Gate, OpenGate
+from ompl_risk.planners.roadmap.gate import ClearanceGate, Flags, Gate, all_of
 from ompl_risk.planners.roadmap.region import Region
 
 LENGTH = Risk(norm=Lp(1), speed=1.0, duration_weight=1.0)
@@ -32,6 +32,11 @@ POLISH = 0.1
 
 LONGER = 1.5
 """How much longer a refined path may be: in the objective time has its own weight."""
+
+OBJECTIVES = (
+    "a RiskObjective or ob.PathLengthOptimizationObjective as they are: RiskRoadmap evaluates "
+    "motions in batches and cannot ask others"
+)
 
 TURN = 0.5
 """What turning by a radian counts in metres at least: as in OMPL's own distance in SE(3)."""
@@ -47,7 +52,7 @@ class Setting:
         risk: how risk is counted.
         gate: what is allowed besides what has a finite risk.
         clearance: of the objective; None if it minimises the length.
-        obstacles: a clearance that paths keep positive; None if OMPL's own checker decides.
+        obstacles: a clearance that paths keep positive; None if it takes more than one.
         straight: whether vertices are connected by straight motions.
     """
 
@@ -66,7 +71,8 @@ class Setting:
             seconds: computing time for a path [s], about.
         """
         compiled = self.motions.compiled and self.gate.compiled
-        if self.clearance is None or not (compiled and self.straight) or self.region.posed:
+        known = self.clearance is not None and self.obstacles is not None
+        if not (known and compiled and self.straight) or self.region.posed:
             return None
 
         def polish(states: FloatArray) -> FloatArray:
@@ -108,18 +114,32 @@ def read_setting(
     StateReader(space)  # says which spaces can be read
     clearance, risk = _counted(objective)
     obstacles, foreign = _obstacles(si, clearance)
-    posed = any(getattr(c, "uses_orientation", False) for c in (clearance, obstacles))
+    posed = any(getattr(c, "uses_orientation", False) for c in obstacles)
     posed = posed or (foreign and isinstance(space, ob.SE3StateSpace))
-    reach = max(TURN, *(float(getattr(c, "reach", 0.0)) for c in (clearance, obstacles)))
+    reach = max([TURN, *(float(getattr(c, "reach", 0.0)) for c in obstacles)])
     region = _region(space, posed=posed, reach=reach, seed=seed)
     motions = _motions(clearance, risk, steering, region.width, threads)
-    gate: Gate = OpenGate()
+    free = Risk(speed=risk.speed)
+    gates: list[Gate] = [
+        ClearanceGate(_motions(one, free, steering, region.width, threads))
+        for one in obstacles
+        if clearance is None or not _same(one, clearance)  # its risk is infinite in collision
+    ]
     if foreign:
-        gate = CheckerGate(si, motions)
-    elif obstacles is not None and not _same(obstacles, clearance):
-        free = Risk(speed=risk.speed)
-        gate = ClearanceGate(_motions(obstacles, free, steering, region.width, threads))
-    return Setting(region, motions, risk, gate, clearance, obstacles, steering is None)
+        gates = [CheckerGate(si, motions)]
+    return Setting(
+        region, motions, risk, all_of(gates), clearance, _widest(obstacles), steering is None
+    )
+
+
+def _widest(obstacles: list[Any]) -> Any:
+    """The clearance that implies all the others; None if none does."""
+    if len(obstacles) == 1:
+        return obstacles[0]
+    terrains = {id(getattr(one, "terrain", one)) for one in obstacles}
+    if len(terrains) != 1 or not all(type(one) is TerrainClearance for one in obstacles):
+        return None
+    return max(obstacles, key=lambda one: one.radius)
 
 
 def _motions(
@@ -176,38 +196,48 @@ def full_state(numbers: FloatArray, width: int) -> FloatArray:
 def _counted(objective: Any) -> tuple[Any, Risk]:
     """Clearance and risk of an objective."""
     if isinstance(objective, RiskObjective):
+        for name in ("stateCost", "motionCost", "motionCostHeuristic"):
+            if not _is_ours(objective, name, RiskObjective):
+                kind = f"{type(objective).__name__} with a {name} of its own"
+                raise ArgumentError("objective", kind, OBJECTIVES)
         return objective.clearance, objective.risk
     if objective is None or type(objective) is ob.PathLengthOptimizationObjective:
         return None, LENGTH
-    raise ArgumentError(
-        "objective",
-        type(objective).__name__,
-        "a RiskObjective or ob.PathLengthOptimizationObjective: RiskRoadmap evaluates motions in "
-        "compiled code and cannot ask others",
-    )
+    raise ArgumentError("objective", type(objective).__name__, OBJECTIVES)
 
 
-def _obstacles(si: ob.SpaceInformation, clearance: Any) -> tuple[Any, bool]:
-    """The clearance that OMPL's checkers go by, and whether one of them is not ours."""
-    checker, validator = si.getStateValidityChecker(), si.getMotionValidator()
-    ours = [
-        one.obstacles
-        for one in (validator, checker)
-        if isinstance(one, ClearanceMotionValidator | ClearanceValidityChecker)
-    ]
-    unset = checker is None or type(checker) is ob.AllValidStateValidityChecker
-    checks = isinstance(checker, ClearanceValidityChecker) or unset
-    if not checks or type(validator) not in (ob.MotionValidator, ClearanceMotionValidator):
-        return (ours[0] if ours else clearance), True
-    if len(ours) == 2 and not _same(*ours):
-        return ours[0], True
-    return (ours[0] if ours else clearance), False
+def _is_ours(thing: Any, method: str, kind: type) -> bool:
+    """Whether a method is the one of our class: compiled code must not bypass an override."""
+    return isinstance(thing, kind) and getattr(type(thing), method) is getattr(kind, method)
+
+
+def _obstacles(si: ob.SpaceInformation, clearance: Any) -> tuple[list[Any], bool]:
+    """The clearances that OMPL's checkers go by, and whether one of them is not ours."""
+    checker: Any = si.getStateValidityChecker()
+    validator: Any = si.getMotionValidator()
+    ours: list[Any] = []
+    foreign = False
+    if _is_ours(validator, "checkMotion", ClearanceMotionValidator):
+        ours.append(validator.obstacles)
+    elif type(validator) is not ob.MotionValidator:  # OMPL's own asks the checker
+        foreign = True
+    if _is_ours(checker, "isValid", ClearanceValidityChecker):
+        ours.append(checker.obstacles)
+    elif checker is not None and type(checker) is not ob.AllValidStateValidityChecker:
+        foreign = True
+    if clearance is not None:
+        ours.append(clearance)
+    different: list[Any] = []
+    for one in ours:
+        if not any(_same(one, other) for other in different):
+            different.append(one)
+    return different, foreign
 
 
 def _same(one: Any, other: Any) -> bool:
     """Whether two clearances keep off the same obstacles by as much."""
-    if isinstance(one, TerrainClearance) and isinstance(other, TerrainClearance):
-        return one.field is other.field and one.radius == other.radius
+    if type(one) is TerrainClearance and type(other) is TerrainClearance:
+        return one.terrain is other.terrain and one.radius == other.radius
     return one is other
 
 

@@ -54,6 +54,15 @@ class Worker:
             self._done.wait(GRACE if self._abandon else None)
         self.check()
 
+    def ended(self, until: Callable[[], bool]) -> bool:
+        """Whether work that was told to stop has come to its end before ``until`` says so."""
+        self._stop.set()
+        while not self._done.wait(POLL):
+            if until():
+                return False
+        self.check()
+        return True
+
     def join(self) -> None:
         """Wait for the end of work that was told to stop."""
         self._stop.set()

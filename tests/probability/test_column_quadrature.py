@@ -1,5 +1,7 @@
 """The quadrature's kernel against the same sum in plain numpy, and what it leaves out."""
 
+import threading
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -7,8 +9,14 @@ from hypothesis import strategies as st
 
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
-from ompl_risk.probability import ColumnQuadrature
+from ompl_risk.probability import (
+    BallSampling,
+    ColumnQuadrature,
+    collision_probabilities,
+    collision_probability,
+)
 from ompl_risk.terrains import Terrain
+from ompl_risk.trajectory import Trajectory
 
 ROUGH = Terrain(
     np.random.default_rng(3).normal(size=(23, 34)) * 4.0, spacing=(3.0, 2.0), origin=(-3.0, 40.0)
@@ -108,3 +116,66 @@ def test_arrays_of_any_layout_give_the_same():
     expected = ColumnQuadrature().estimate(clearance, points, 10.0).p
     for other in (np.asfortranarray(points), np.repeat(points, 2, axis=0)[::2]):
         assert np.array_equal(ColumnQuadrature().estimate(clearance, other, 10.0).p, expected)
+
+
+def paths(n):
+    rng = np.random.default_rng(4)
+    return [
+        Trajectory(
+            np.arange(5.0), rng.uniform([0.0, 42.0, 0.0], [90.0, 80.0, 25.0], (5, 3)), f"T{k}"
+        )
+        for k in range(n)
+    ]
+
+
+@pytest.mark.parametrize("threads", [1, 3])
+@pytest.mark.parametrize("grow", [False, True])
+@pytest.mark.parametrize("n", [1, 4, 9])
+def test_many_trajectories_get_the_profiles_of_each(threads, grow, n):
+    clearance = TerrainClearance(ROUGH, radius=1.5, threads=threads)
+    found = collision_probabilities(paths(n), clearance, 12.0, grow=grow, max_step=3.0)
+    assert list(found) == [f"T{k}" for k in range(n)]
+    for path in paths(n):
+        one = collision_probability(path, clearance, 12.0, grow=grow, max_step=3.0)
+        many = found[path.name]
+        for name in ("t", "p", "low", "high"):
+            assert np.array_equal(getattr(one, name), getattr(many, name))
+        assert many.method == one.method
+    assert clearance.threads == threads
+
+
+def test_nobody_elses_code_runs_in_threads():
+    seen = set()
+
+    def spy(points):
+        seen.add(threading.get_ident())
+        return points[:, 2]
+
+    found = collision_probabilities(paths(8), spy, 5.0, estimator=BallSampling(20, seed=1))
+    assert seen == {threading.get_ident()}
+    assert len(found) == 8
+
+
+def test_one_generator_is_drawn_from_in_order():
+    def drawn(of):
+        rng = np.random.default_rng(7)
+        return of(BallSampling(50, seed=rng))
+
+    terrain = TerrainClearance(ROUGH, threads=3)
+    many = drawn(lambda e: collision_probabilities(paths(8), terrain, 9.0, estimator=e))
+    each = drawn(lambda e: [collision_probability(p, terrain, 9.0, estimator=e) for p in paths(8)])
+    assert all(np.array_equal(m.p, one.p) for m, one in zip(many.values(), each, strict=True))
+
+
+def test_what_is_no_list_of_trajectories():
+    twice = [paths(1)[0], paths(1)[0]]
+    with pytest.raises(ArgumentError, match="names that differ"):
+        collision_probabilities(twice, ROUGH)
+    with pytest.raises(ArgumentError, match="objects of class Trajectory"):
+        collision_probabilities([1.0], ROUGH)
+    with pytest.raises(ArgumentError, match="grow"):
+        collision_probabilities(paths(2), ROUGH, grow=True)
+    with pytest.raises(ArgumentError, match="radius"):
+        collision_probabilities(paths(9), TerrainClearance(ROUGH, threads=2), -1.0)
+    assert collision_probabilities([], ROUGH) == {}
+    assert list(collision_probabilities(paths(1)[0], ROUGH)) == ["T0"]

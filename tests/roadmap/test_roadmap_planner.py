@@ -1,5 +1,6 @@
 """RiskRoadmap as OMPL's users meet it: SimpleSetup, goals, conditions, faults."""
 
+import itertools
 import math
 import time
 from itertools import pairwise
@@ -566,3 +567,159 @@ def test_the_same_number_of_iterations_gives_the_same_path():
         scene.solve(ob.PlannerTerminationCondition(lambda: False))
         paths.append([state[0:3] for state in scene.path.getStates()])
     assert paths[0] == paths[1]
+
+
+class NoFly(ClearanceValidityChecker):
+    """Keeps out of a zone besides."""
+
+    def isValid(self, state):
+        outside = abs(state[0] - 500.0) > 50.0 or state[1] > 700.0
+        return bool(outside and super().isValid(state))
+
+
+class Dear(RiskObjective):
+    """With a cost of its own."""
+
+    def motionCost(self, s1, s2):
+        return ob.Cost(1.0)
+
+
+def test_overridden_checkers_are_not_bypassed():
+    scene = Scene()
+    scene.setup.setStateValidityChecker(NoFly(scene.si, scene.clearance))
+    scene.usual().solve(0.5)
+    assert not scene.planner.compiled
+    fine = Trajectory.from_path(scene.path, speed=SPEED).densify(4.0).positions
+    ours = Scene().usual()
+    ours.solve(0.5)
+    assert ours.planner.compiled
+    if len(fine):
+        states = [s[0:3] for s in scene.path.getStates()]
+        assert all(abs(x - 500.0) > 50.0 or y > 700.0 for x, y, _ in states)
+
+
+def test_overridden_objectives_are_refused():
+    scene = Scene(no_objective=True)
+    scene.setup.setOptimizationObjective(Dear(scene.si, scene.clearance, speed=SPEED))
+    with pytest.raises(ArgumentError, match="motionCost of its own"):
+        scene.usual().solve(0.1)
+
+
+def test_equal_clearances_of_checker_and_validator_stay_compiled():
+    scene = Scene()
+    again = TerrainClearance(scene.terrain, 2.0)
+    scene.setup.setStateValidityChecker(ClearanceValidityChecker(scene.si, again))
+    scene.usual().solve(0.1)
+    assert scene.planner.compiled
+
+
+def test_different_clearances_of_checker_and_validator_are_both_kept():
+    scene = Scene()
+    wide = scene.clearance.with_radius(8.0)
+    scene.setup.setStateValidityChecker(ClearanceValidityChecker(scene.si, wide))
+    scene.usual().solve(found(scene))
+    assert scene.planner.compiled
+    fine = Trajectory.from_path(scene.path, speed=SPEED).densify(0.5).positions
+    assert wide(fine).min() > 0.0
+
+
+def test_a_goal_state_in_the_ground_does_not_hide_the_next():
+    scene = Scene()
+    start, goal = ends(scene.terrain)
+    goals = ob.GoalStates(scene.si)
+    for place in (goal - [0.0, 0.0, 40.0], goal):
+        goals.addState(scene.state(place))
+    scene.setup.setStartState(scene.state(start))
+    scene.setup.setGoal(goals)
+    assert scene.solve().getStatus() == ob.PlannerStatus.EXACT_SOLUTION
+
+
+def test_all_of_many_goal_states_are_tried():
+    scene = Scene(duration_weight=1.0)
+    scene.setup.setPlanner(RiskRoadmap(scene.si, iterations=500))
+    start, goal = ends(scene.terrain)
+    goals = ob.GoalStates(scene.si)
+    for k in range(30):
+        goals.addState(scene.state(goal - [0.0, 10.0 * k, -10.0]))
+    near = start + np.array([60.0, 0.0, 0.0])
+    near[2] = scene.terrain.height(*near[:2]) + 20.0
+    goals.addState(scene.state(near))
+    scene.setup.setStartState(scene.state(start))
+    scene.setup.setGoal(goals)
+    scene.solve(ob.PlannerTerminationCondition(lambda: False))
+    assert scene.path.getStates()[-1][0:3] == near.tolist()
+
+
+def test_a_clearance_that_fails_once_leaves_the_planner_usable():
+    exact = TerrainClearance(hills(), 2.0)
+    for failing in (1, 2, 4, 6, 12, 27, 40):
+        calls = itertools.count(1)
+        broken = [False]
+
+        def clearance(points, failing=failing, calls=calls, broken=broken):
+            if broken[0] and next(calls) == failing:
+                raise RuntimeError("a glitch")
+            return exact(points)
+
+        scene = Scene(clearance=clearance, bare=True).usual()
+        scene.setup.setup()
+        broken[0] = True
+        with pytest.raises(RuntimeError, match="glitch"):
+            scene.solve(once(lambda: False))
+        broken[0] = False
+        assert scene.solve(found(scene)).getStatus() == ob.PlannerStatus.EXACT_SOLUTION
+        scene.setup.clear()
+
+
+def test_each_goal_keeps_its_orientation():
+    scene = Scene(kind=ob.SE3StateSpace)
+    start, goal = ends(scene.terrain)
+    turned = [0.0, 0.0, math.sin(0.4), math.cos(0.4)]
+    near = goal - np.array([300.0, 300.0, 0.0])
+    near[2] = scene.terrain.height(*near[:2]) + 30.0
+    goals = ob.GoalStates(scene.si)
+    goals.addState(scene.state([*goal, 0.0, 0.0, 0.0, 1.0]))
+    goals.addState(scene.state([*near, *turned]))
+    scene.setup.setStartState(scene.state([*start, 0.0, 0.0, 0.0, 1.0]))
+    scene.setup.setGoal(goals)
+    scene.solve(0.3)
+    path = Trajectory.from_path(scene.path, speed=SPEED)
+    np.testing.assert_allclose(path.positions[-1], near)
+    np.testing.assert_allclose(path.orientations[-1], turned, atol=1e-12)
+
+
+def test_a_condition_may_wait_for_the_first_solution():
+    scene = Scene().usual()
+    problem = scene.setup.getProblemDefinition()
+    scene.solve(once(problem.hasExactSolution))
+    assert len(scene.planner.history) <= 5
+    assert scene.setup.haveExactSolutionPath()
+
+
+def test_what_is_published_comes_first_even_if_it_costs_more():
+    scene = Scene().usual()
+    scene.solve(0.4)
+    routes = scene.planner.alternatives(4, excess=0.2, min_distance=40.0)
+    assert routes[0].cost > scene.planner.roadmap.best.cost
+    scene.planner.publish(routes)
+    corners = [state[0:3] for state in scene.path.getStates()]
+    np.testing.assert_array_equal(corners, routes[0].states)
+    assert scene.setup.getProblemDefinition().getSolutionCount() == len(routes)
+    scene.planner.publish(())
+    assert scene.setup.getProblemDefinition().getSolutionCount() == 0
+
+
+def test_samples_stay_where_paths_can_be_better():
+    scene = Scene(duration_weight=1.0).usual()
+    scene.solve(1.0)
+    roadmap = scene.planner.roadmap
+    low, high = roadmap._worthwhile()
+    region = roadmap.region
+    assert np.prod(high - low) < 0.9 * np.prod(region.high - region.low)
+    a, b = roadmap.states[roadmap.starts[0]], roadmap.states[roadmap.goals[0]]
+    longest = roadmap.best.cost * SPEED
+    rng = np.random.default_rng(0)
+    points = rng.uniform(region.low, region.high, (20_000, 3))
+    way = np.linalg.norm(points - a, axis=1) + np.linalg.norm(points - b, axis=1)
+    inside = ((points >= low) & (points <= high)).all(axis=1)
+    assert inside[way < longest].all()
