@@ -1,4 +1,4 @@
-"""``rank`` and ``collision_probability`` for many trajectories, against python-fcl and numpy."""
+"""``rank`` and ``collision_probabilities`` for many trajectories, against python-fcl and numpy."""
 
 from __future__ import annotations
 
@@ -24,10 +24,10 @@ from ompl_risk import (
     Sobolev,
     TerrainClearance,
     Trajectory,
-    collision_probability,
     rank,
     terrains,
 )
+from ompl_risk.probability import collision_probabilities
 from ompl_risk.ranking import Ranking
 from ompl_risk.terrains import Terrain
 
@@ -94,10 +94,7 @@ def ranked(
         config: for d0 and the ball.
         max_step: "auto" for the library's own refinement, None for the states as they are.
     """
-    profiles = [
-        collision_probability(each, clearance, config.ball, max_step=max_step)
-        for each in candidates
-    ]
+    profiles = collision_probabilities(candidates, clearance, config.ball, max_step=max_step)
     avoidance = InverseDistance(config.d0)
     return rank(candidates, clearance, avoidance, NORMS, max_step=max_step, probability=profiles)
 

@@ -65,10 +65,11 @@ def add_solutions(
         own: paths that the planner put in before.
     """
     ordered = list(paths)
-    there: Any = problem.getSolutionPath() if problem.hasExactSolution() else None
-    foreign = there is not None and not any(there is path for path in own)
-    if foreign and (not ordered or _cost(there, objective) < _cost(ordered[0], objective)):
-        ordered.insert(0, there)
+    if problem.hasExactSolution():
+        there: Any = problem.getSolutionPath()
+        foreign = not any(there is path for path in own)
+        if foreign and (not ordered or _cost(there, objective) < _cost(ordered[0], objective)):
+            ordered.insert(0, there)
     problem.clearSolutionPaths()
     for rank, path in enumerate(ordered):
         problem.addSolutionPath(path, rank > 0, float(rank) if rank else -1.0, name)
