@@ -25,7 +25,6 @@ from ompl_risk.planners.roadmap.alternatives import alternatives
 from ompl_risk.planners.roadmap.exploring import alternative_routes
 from ompl_risk.planners.roadmap.roadmap import Roadmap
 from ompl_risk.planners.roadmap.setting import read_setting
-from ompl_risk.planners.roadmap.warming import warm_up
 from ompl_risk.terrains import Terrain
 
 Floats = NDArray[np.float64]
@@ -68,7 +67,6 @@ def measure(config: Config, seed: int, say: Callable[[str], None]) -> Iterator[M
     """Times of building and of alternatives, growth and memory; see ``Config``."""
     terrain = terrains.load(config.problem.terrain)
     maker = Maker(config.problem, terrain, seed)
-    warm_up(maker.empty())
     for kind, complete in (("edges as a search needs them", False), ("every edge", True)):
         say(f"{config.repeats} roadmaps of {config.vertices} vertices, {kind}")
         yield from _building(maker, config, kind, complete)

@@ -26,6 +26,7 @@ from ompl_risk.norms import Sobolev as Sobolev
 from ompl_risk.probability import BallSampling as BallSampling
 from ompl_risk.probability import CollisionProfile as CollisionProfile
 from ompl_risk.probability import ColumnQuadrature as ColumnQuadrature
+from ompl_risk.probability import collision_probabilities as collision_probabilities
 from ompl_risk.probability import collision_probability as collision_probability
 from ompl_risk.ranking import Ranking as Ranking
 from ompl_risk.ranking import rank as rank

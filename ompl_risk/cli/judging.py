@@ -11,7 +11,7 @@ from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.scene import Scene
 from ompl_risk.errors import DurationWarning
 from ompl_risk.norms import Lp
-from ompl_risk.probability import CollisionProfile, collision_probability
+from ompl_risk.probability import CollisionProfile, collision_probabilities
 from ompl_risk.ranking import Ranking, rank
 from ompl_risk.trajectory import Trajectory
 
@@ -48,9 +48,8 @@ def judge(trajectories: Sequence[Trajectory], scene: Scene, *, letters: bool = F
     # The ranking chooses the samples; the probability is then taken at the same ones, so that a
     # row of the files written has all of them.
     sampled = [a.trajectory for a in _rank(trajectories, scene).assessments]
-    profiles = [
-        collision_probability(t, scene.terrain, scene.uncertainty, max_step=None) for t in sampled
-    ]
+    found = collision_probabilities(sampled, scene.terrain, scene.uncertainty, max_step=None)
+    profiles = list(found.values())
     risks = [Lp(2)(profile.t, profile.p) for profile in profiles]
     order = sorted(range(len(risks)), key=risks.__getitem__)
     names = [_letters(k) if letters else sampled[i].name for k, i in enumerate(order)]
