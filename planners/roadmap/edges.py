@@ -82,7 +82,7 @@ class Edges:
         self.weight[numbers] = np.where(exists, weight, np.inf)
         self.known[numbers] = True
 
-    def risk(self, numbers: Integers | slice = slice(None)) -> FloatArray:
+    def risk(self, numbers: NDArray[np.integer] | slice = slice(None)) -> FloatArray:
         """Risk of edges: exactly 0 where it is 0, else to the rounding of the weight."""
         weight, spent = self.weight[numbers], self._time_weight * self.duration[numbers]
         flyable = np.isfinite(weight)

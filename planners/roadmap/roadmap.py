@@ -19,6 +19,12 @@ from ompl_risk.planners.roadmap.portions import Portions
 from ompl_risk.planners.roadmap.region import Region
 from ompl_risk.planners.roadmap.search import LazySearch, ReweighedSearch, Weigh, duration_within
 
+THIN = 2
+"""Growth of a roadmap after which its edges are thinned out."""
+
+SPARSE = 3000
+"""Vertices below which that is not worth while."""
+
 Stop = Callable[[], bool]
 
 
@@ -94,6 +100,7 @@ class Roadmap:
         self.evaluated = 0
         self.reached = 0
         self._threads = threads
+        self._thinned = 0
         self._search = LazySearch(self.edges, maximum=self.maximum)
         self._portions = Portions()
 
@@ -139,7 +146,11 @@ class Roadmap:
         """
         states = self.region.sample(n, within=self._worthwhile())
         found = [states[part][self._useful(states[part])] for part in self._parts(n, stop)]
-        return len(self.insert(np.vstack([np.empty((0, self.region.width)), *found])))
+        added = len(self.insert(np.vstack([np.empty((0, self.region.width)), *found])))
+        if self.n > max(THIN * self._thinned, SPARSE):
+            self.thin_out()
+            self._thinned = self.n
+        return added
 
     def _allowed(self, states: FloatArray) -> NDArray[np.bool_]:
         allowed = self.motions.clearances(states) > 0.0
@@ -227,6 +238,36 @@ class Roadmap:
         self.states, self.clearance = every, clearance
         self.edges.add(self.n, tail, head, risk=bound, duration=least)
         return np.arange(start, self.n, dtype=np.int32)
+
+    def thin_out(self) -> None:
+        """Connect all vertices anew to their nearest, and keep what else has been evaluated.
+
+        Vertices that were neighbours in a sparser roadmap no longer are: a roadmap grown in many
+        batches would hold twice the edges of one sampled at once, in memory and in every search.
+        """
+        old = self.edges
+        kept = np.flatnonzero(old.known & np.isfinite(old.weight))
+        tail, head = (column[kept] for column in old.ends())
+        risk, duration = old.risk(kept), old.duration[kept]
+        near, far = new_pairs(self.states, 0, self.region, self._threads)
+        if not old.undirected:
+            near, far = np.concatenate([near, far]), np.concatenate([far, near])
+        new = ~np.isin(self._keys(near, far), self._keys(tail, head))
+        near, far = near[new], far[new]
+        a, b = self.states[near], self.states[far]
+        bound = self.motions.heuristics(a, b, self.clearance[near], self.clearance[far])
+        least = self.motions.least_durations(a, b)
+        self.edges = Edges(time_weight=self._time_weight, undirected=old.undirected)
+        self.edges.add(self.n, tail, head, risk=risk, duration=duration)
+        self.edges.evaluated(np.arange(len(kept), dtype=np.int32), risk, duration)
+        self.edges.add(self.n, near, far, risk=bound, duration=least)
+        self._search = LazySearch(self.edges, maximum=self.maximum)
+
+    def _keys(self, tail: Integers, head: Integers) -> NDArray[np.int64]:
+        """A number for each pair of vertices, the same both ways if edges are undirected."""
+        if self.edges.undirected:
+            tail, head = np.minimum(tail, head), np.maximum(tail, head)
+        return tail.astype(np.int64) * self.n + head
 
     def insert_path(self, route: Route, states: FloatArray) -> None:
         """Add the corners of a path that leads from the start to the goal of a route.

@@ -14,7 +14,7 @@ from ompl_risk.motion import Risk, motion_batch
 from ompl_risk.norms import Lp, Sobolev
 from ompl_risk.planners.roadmap.gate import ClearanceGate, Gate
 from ompl_risk.planners.roadmap.graph import Graph
-from ompl_risk.planners.roadmap.neighbours import neighbour_count
+from ompl_risk.planners.roadmap.neighbours import neighbour_count, new_pairs
 from ompl_risk.planners.roadmap.region import Region
 from ompl_risk.terrains import Terrain
 from ompl_risk.trajectory import Trajectory
@@ -299,3 +299,50 @@ def test_every_new_vertex_has_its_nearest_as_neighbours():
 
 def test_pure_risk_has_no_weight_of_time():
     assert pure(counted(weight=3.0)).weight == 0.0
+
+
+@names
+def test_thinning_out_leaves_a_roadmap_as_if_sampled_at_once(norm):
+    made, whole = roadmap(counted(norm)), roadmap(counted(norm))
+    for _ in range(8):
+        made.grow(100)
+        made.best = None
+        before = made.search()
+    whole.grow(800)
+    np.testing.assert_array_equal(made.states, whole.states)
+    many, evaluated = made.edges.m, made.evaluated
+    known = {
+        (min(pair), max(pair)): value
+        for pair, value, exact in zip(
+            np.column_stack(made.edges.ends()).tolist(),
+            made.edges.risk().tolist(),
+            made.edges.known,
+            strict=True,
+        )
+        if exact and math.isfinite(value)
+    }
+    made.thin_out()
+    pairs = {tuple(sorted(pair)) for pair in np.column_stack(made.edges.ends()).tolist()}
+    nearest = np.column_stack(new_pairs(made.states, 0, made.region, 1))
+    once = {tuple(sorted(pair)) for pair in nearest.tolist()}
+    assert len(pairs) == made.edges.m < many
+    assert pairs == once | set(known)
+    kept = np.flatnonzero(made.edges.known)
+    tail, head = made.edges.ends()
+    assert len(kept) == len(known)
+    for e in kept:
+        pair = min(tail[e], head[e]), max(tail[e], head[e])
+        assert made.edges.risk(np.array([e]))[0] == pytest.approx(known[pair], rel=1e-12)
+    after = made.search()
+    assert after.cost <= before.cost * (1 + 1e-9)  # the path it had is still there
+    assert after.cost <= whole.search().cost * (1 + 1e-9)
+    assert made.evaluated - evaluated < made.edges.m / 4
+
+
+def test_a_growing_roadmap_is_thinned_out():
+    made = roadmap(counted(weight=1.0))
+    for _ in range(14):
+        made.grow(400)
+    assert made.n > 3000
+    assert made.edges.m < 0.8 * neighbour_count(made.n, 3) * made.n
+    assert made._thinned > 0
