@@ -19,7 +19,7 @@ from ompl_risk.planners.roadmap.portions import Portions
 from ompl_risk.planners.roadmap.region import Region
 from ompl_risk.planners.roadmap.search import LazySearch, ReweighedSearch, Weigh, duration_within
 
-THIN = 2
+THIN = 1.5
 """Growth of a roadmap after which its edges are thinned out."""
 
 SPARSE = 3000
