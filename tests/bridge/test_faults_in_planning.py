@@ -37,10 +37,10 @@ def test_exceptions_of_a_clearance_surface_after_solve(planner, make_setup):
 
 def test_exceptions_inside_the_objective_surface_too(make_setup, pass_clearance):
     def objective(si):
-        return RiskObjective(si, failing_after(50), InverseDistance(60.0), speed=20.0)
+        return RiskObjective(si, failing_after(10), InverseDistance(60.0), speed=20.0)
 
     with pytest.raises(Broken):
-        make_setup(objective).solve(3.0)
+        make_setup(objective).solve(30.0)  # the exception ends it at once
 
 
 def test_outside_of_solve_exceptions_are_raised_at_once(make_setup):
