@@ -23,7 +23,7 @@ SCENE = (
 @pytest.fixture(scope="module")
 def found(wall_file, tmp_path_factory):
     folder = tmp_path_factory.mktemp("plan") / "run"
-    arguments = ["plan", "--terrain", wall_file, *SCENE, "--alternatives", "4", "--pareto"]
+    arguments = ["plan", "--terrain", wall_file, *SCENE, "--alternatives", "3", "--pareto"]
     assert main([*arguments, "--output", str(folder)]) == 0
     return folder
 
@@ -35,7 +35,7 @@ def paths_in(folder):
 
 def test_alternatives_are_free_of_equal_time_and_differ(found, wall):
     paths = paths_in(found / "trajectories")
-    assert len(paths) == 4
+    assert len(paths) == 3
     clearance = TerrainClearance(wall, 5.0)
     problem = low_level_flight(
         clearance, (200, 1000), (2800, 1000), ceiling=200.0, margin=0.3, min_clearance=10.0
@@ -78,9 +78,9 @@ def test_provenance_tells_the_roadmap(found):
     assert facts["planner"] == "roadmap"
     assert facts["roadmap"]["vertices"] > 1000
     assert 0 < facts["roadmap"]["evaluated"] <= facts["roadmap"]["edges"]
-    assert sorted(facts["paths"]) == ["A", "B", "C", "D"]
-    assert facts["selection"].startswith("4 of ")
-    assert [t["name"] for t in read_ranking(found)["trajectories"]] == ["A", "B", "C", "D"]
+    assert sorted(facts["paths"]) == ["A", "B", "C"]
+    assert facts["selection"].startswith("3 of ")
+    assert [t["name"] for t in read_ranking(found)["trajectories"]] == ["A", "B", "C"]
 
 
 def test_the_written_configuration_repeats_the_run(found, tmp_path):
