@@ -18,8 +18,8 @@ from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.planners.sides import Sides
 from ompl_risk.trajectory import Trajectory
 
-SPARE = 3
-"""Alternatives looked for, in those wanted: some grow alike or too slow as others are smoothed."""
+SPARE, LEAST = 3, 30
+"""Alternatives looked for, in those wanted, and at least: some grow alike as they are smoothed."""
 
 ROUNDS = 1
 """How often corners are cut: each time paths come nearer to those that pass the same summits."""
@@ -98,7 +98,7 @@ def equal_time_paths(
     """
     sides = sides_of(problem)
     routes = alternative_routes(
-        roadmap, SPARE * count, excess=excess, min_distance=min_distance, sides=sides
+        roadmap, max(SPARE * count, LEAST), excess=excess, min_distance=min_distance, sides=sides
     )
     chosen: list[_Path] = []
     tried = 0
