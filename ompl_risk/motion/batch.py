@@ -24,7 +24,7 @@ class MotionBatch(ABC):
     2. ``costs`` are inf if a state of the motion is in collision, never NaN, and agree with the
        norm of densely sampled f to ``Risk.tolerance``.
     3. ``heuristics`` and ``least_durations`` never exceed the cost and the duration of any way,
-       over other states too, at ``Risk.speed`` or less.
+       over other states too, at ``Risk.speed`` or less; ``edge_bounds`` never those of the motion.
     4. An answer depends on its own row alone, not on the others nor on their number. No rows are
        answered by none. Rows may be views of any layout; they are not changed, and not kept.
     5. ``symmetric`` is true only if costs and durations from b to a are those from a to b.
@@ -71,6 +71,29 @@ class MotionBatch(ABC):
     def least_durations(self, a: FloatArray, b: FloatArray) -> FloatArray:
         """Lower bounds for the duration [s] of any way from a[k] to b[k], shape (n,)."""
         return self.durations(a, b)
+
+    def edge_bounds(
+        self, a: FloatArray, b: FloatArray, d_a: FloatArray, d_b: FloatArray
+    ) -> tuple[FloatArray, FloatArray]:
+        """Lower bounds for the cost and the duration of the motions from a[k] to b[k].
+
+        Unlike ``heuristics`` and ``least_durations`` they are about these motions, not about any
+        way: a batch that can tell at little cost that there is no motion says inf.
+
+        Args:
+            a: states, shape (n, width).
+            b: likewise.
+            d_a: clearances [m] at a, shape (n,).
+            d_b: likewise at b.
+
+        Returns:
+            Costs, and durations [s], shapes (n,).
+        """
+        return self.heuristics(a, b, d_a, d_b), self.least_durations(a, b)
+
+    def extents(self, a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Corners of boxes [m] that hold the motions from a[k] to b[k], shapes (n, 3)."""
+        return np.minimum(a[:, :3], b[:, :3]), np.maximum(a[:, :3], b[:, :3])
 
     def samples(self, a: FloatArray, b: FloatArray) -> list[FloatArray]:
         """States that the motions pass at equal time steps, moving straight in between.

@@ -42,7 +42,9 @@ def new_pairs(
     n, new = len(states), len(states) - start
     if n < 2 or new == 0:
         return np.empty(0, np.int32), np.empty(0, np.int32)
-    k = neighbour_count(n, region.dimensions)
+    copies = region.copies
+    # Those of one place are all neighbours of it or none is, and no neighbours of each other.
+    k = min(copies * neighbour_count(n // copies, region.dimensions) + copies - 1, n - 1)
     places = region.places(states)
     if region.posed:  # q and -q are the same orientation
         places = np.vstack([places, np.hstack([places[:, :3], -places[:, 3:]])])

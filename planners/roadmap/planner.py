@@ -8,14 +8,13 @@ from typing import Any
 
 import numpy as np
 from ompl import base as ob
-from ompl import geometric as og
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk.bridge.conditions import after
-from ompl_risk.bridge.states import StateReader
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.threads import thread_count
 from ompl_risk.errors import ArgumentError
+from ompl_risk.motion.kinodynamic import KinodynamicSteering
 from ompl_risk.motion.steering import Steering
 from ompl_risk.planners.roadmap.anytime import Growing, Polish, Progress
 from ompl_risk.planners.roadmap.exploring import (
@@ -24,9 +23,10 @@ from ompl_risk.planners.roadmap.exploring import (
     pareto_routes,
 )
 from ompl_risk.planners.roadmap.goals import GoalSource
-from ompl_risk.planners.roadmap.publishing import add_solutions, to_path
+from ompl_risk.planners.roadmap.publishing import add_solutions
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.planners.roadmap.setting import CheckerGate, Setting, read_setting
+from ompl_risk.planners.roadmap.vehicle_setting import read_vehicle_setting
 from ompl_risk.planners.roadmap.warming import warm_up
 from ompl_risk.planners.roadmap.worker import Worker
 from ompl_risk.planners.sides import Sides
@@ -42,7 +42,10 @@ class RiskRoadmap(ob.Planner):
     far, and goes on from there when ``solve`` is called again.
 
     Works over R^3 and SE(3), with a ``RiskObjective`` of any norm and clearance, or for path
-    length. With other clearances than a ``TerrainClearance``, and with a validity checker or motion
+    length; and over the states of a vehicle with a ``KinodynamicSteering``, as
+    ``HelicopterSteering()``: solutions are then ``oc.PathControl``.
+
+    With other clearances than a ``TerrainClearance``, and with a validity checker or motion
     validator that is not this library's, Python runs for states and motions, batched, and some
     hundred times slower; ``compiled`` says whether it does. It then stops once the portion at hand
     is done.
@@ -51,7 +54,8 @@ class RiskRoadmap(ob.Planner):
         si: the space information.
         seed: of the samples. The same seed gives the same batches; how many of them depends on the
             time.
-        steering: how vertices are connected; straight at the objective's speed if left out.
+        steering: how vertices are connected, and for a vehicle with dynamics what they are;
+            straight at the objective's speed if left out.
         iterations: states to sample in a call of ``solve``; no limit if left out. Runs with the
             same limit and seed, and enough time, give the same path.
         threads: of compiled code; ``None`` uses all processors.
@@ -80,7 +84,7 @@ class RiskRoadmap(ob.Planner):
         si: ob.SpaceInformation,
         *,
         seed: int = 1,
-        steering: Steering | None = None,
+        steering: Steering | KinodynamicSteering | None = None,
         iterations: int | None = None,
         threads: int | None = None,
     ) -> None:
@@ -97,7 +101,7 @@ class RiskRoadmap(ob.Planner):
         self._worker: Worker | None = None
         self._seconds = 0.0
         self._announced: Route | None = None
-        self._published: list[og.PathGeometric] = []
+        self._published: list[Any] = []
         self._new_starts: list[FloatArray] = []
         self._new_goals: list[FloatArray] = []
         self.history: list[Progress] = []
@@ -153,7 +157,7 @@ class RiskRoadmap(ob.Planner):
             self._worker = None
         self.checkValidity()
         roadmap = self._opened()
-        goals = GoalSource(self.getProblemDefinition(), self.getPlannerInputStates(), self._reader)
+        goals = GoalSource(self.getProblemDefinition(), self.getPlannerInputStates(), self._row)
         wrong = self._read_ends(roadmap, goals, condition)
         if wrong is not None:
             return ob.PlannerStatus(wrong)
@@ -252,37 +256,45 @@ class RiskRoadmap(ob.Planner):
         add_solutions(problem, paths, objective, name, self._published)
         self._published = paths
 
-    def _path(self, route: Route) -> og.PathGeometric:
-        si, turns = self.getSpaceInformation(), None
-        whole = self._roadmap.whole if self._roadmap is not None else {}
-        if self._reader.width == 7 and route.states.shape[1] == 3:
-            turns = whole[int(route.vertices[0])][3:], whole[int(route.vertices[-1])][3:]
-        return to_path(si, route.states, turns)
+    def _path(self, route: Route) -> Any:
+        if self._roadmap is None or self._setting is None:
+            raise ArgumentError("planner", "RiskRoadmap without a roadmap", "solved with before")
+        return self._setting.translation.path(route, self._roadmap)
+
+    def _row(self, state: Any) -> FloatArray:
+        if self._setting is None:
+            raise ArgumentError("planner", "RiskRoadmap without a roadmap", "solved with before")
+        return self._setting.translation.row(state)
 
     def _opened(self) -> Roadmap:
         """The roadmap, made from the problem the first time."""
         if self._roadmap is None:
             si: Any = self.getSpaceInformation()
             objective: Any = self.getProblemDefinition().getOptimizationObjective()
-            self._setting = setting = read_setting(
-                si, objective, seed=self._seed, steering=self._steering, threads=self._threads
-            )
-            self._reader = _Numbers(si)
+            self._setting = setting = self._read_setting(si, objective)
             self._roadmap = Roadmap(
                 setting.region,
                 setting.motions,
                 setting.risk,
                 gate=setting.gate,
-                undirected=self._steering is None or self._steering.symmetric,
+                undirected=setting.undirected,
                 threads=self._threads,
             )
         return self._roadmap
+
+    def _read_setting(self, si: Any, objective: Any) -> Setting:
+        seed, steering, threads = self._seed, self._steering, self._threads
+        if isinstance(steering, KinodynamicSteering):
+            return read_vehicle_setting(
+                si, objective, seed=seed, steering=steering, threads=threads
+            )
+        return read_setting(si, objective, seed=seed, steering=steering, threads=threads)
 
     def _read_ends(self, roadmap: Roadmap, goals: GoalSource, until: Callable[[], bool]) -> Any:
         """Take in starts and goals; the status to return if there is none, and say why."""
         inputs = self.getPlannerInputStates()
         while (state := inputs.nextStart()) is not None:
-            self._new_starts.append(self._reader(state))
+            self._new_starts.append(self._row(state))
         self._new_goals += goals.first(until)
         # Kept until they have been taken in: a clearance may raise, and OMPL gives each only once.
         if self._new_starts:
@@ -319,17 +331,3 @@ class RiskRoadmap(ob.Planner):
         if self._worker is not None:
             self._worker.join()
             self._worker = None
-
-
-class _Numbers:
-    """States as new arrays, shape (width,)."""
-
-    def __init__(self, si: ob.SpaceInformation) -> None:
-        reader = StateReader(si.getStateSpace())
-        self.width = reader.width
-        self._buffer = np.empty(reader.width)
-        self._read = reader.into(self._buffer)
-
-    def __call__(self, state: Any) -> FloatArray:
-        self._read(state)
-        return self._buffer.copy()

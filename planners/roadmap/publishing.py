@@ -47,10 +47,10 @@ def _turning(positions: FloatArray, first: FloatArray, last: FloatArray) -> Floa
 
 def add_solutions(
     problem: Any,
-    paths: Sequence[og.PathGeometric],
+    paths: Sequence[Any],
     objective: Any,
     name: str,
-    own: Sequence[og.PathGeometric] = (),
+    own: Sequence[Any] = (),
 ) -> None:
     """Make the first path the solution, unless a better one of another planner is there.
 

@@ -11,6 +11,7 @@ from scipy.stats import qmc
 
 from ompl_risk._arrays import FloatArray, readonly
 from ompl_risk.errors import ArgumentError
+from ompl_risk.motion.kinodynamic import KinodynamicSteering
 
 CHUNK = 4096
 """Sobol points are drawn so many at a time: a power of two keeps them balanced."""
@@ -47,7 +48,7 @@ class Region:
         if not (self.low < self.high).all():
             raise ArgumentError("high", self.high.tolist(), f"above low = {self.low.tolist()}")
         self.posed, self.reach = posed, reach
-        self._sequence = qmc.Sobol(6 if posed else 3, rng=np.random.default_rng(seed))
+        self._sequence = qmc.Sobol(self.dimensions, rng=np.random.default_rng(seed))
         self._left = np.empty((0, self.dimensions))
 
     @property
@@ -60,8 +61,13 @@ class Region:
         """Degrees of freedom of a state."""
         return 6 if self.posed else 3
 
+    @property
+    def copies(self) -> int:
+        """States that are made from a point of the sequence."""
+        return 1
+
     def sample(self, n: int, *, within: tuple[FloatArray, FloatArray] | None = None) -> FloatArray:
-        """The next n states of the sequence, shape (n, width).
+        """The states of the next n points of the sequence, shape (n * copies, width).
 
         Args:
             n: how many.
@@ -84,6 +90,51 @@ class Region:
             self._left = np.vstack([self._left, self._sequence.random(CHUNK)])
         given, self._left = self._left[:n], self._left[n:]
         return given
+
+
+class VertexRegion(Region):
+    """A box of positions with the vertices that a steering makes there, several at each.
+
+    Args:
+        low: least coordinates [m], shape (3,).
+        high: greatest coordinates [m], shape (3,).
+        steering: says what a vertex is.
+        seed: of the sequence.
+
+    Raises:
+        ArgumentError: an empty box.
+    """
+
+    def __init__(
+        self, low: ArrayLike, high: ArrayLike, steering: KinodynamicSteering, *, seed: int = 0
+    ) -> None:
+        self._steering = steering
+        super().__init__(low, high, seed=seed)
+        self._copies = len(steering.vertices(np.zeros((1, self.dimensions)), self.low, self.high))
+
+    @property
+    def width(self) -> int:
+        """Numbers in a vertex."""
+        return self._steering.width
+
+    @property
+    def dimensions(self) -> int:
+        """Uniform numbers that vertices are made from."""
+        return self._steering.dimensions
+
+    @property
+    def copies(self) -> int:
+        """Vertices that are made from a point of the sequence: one for each trim."""
+        return self._copies
+
+    def sample(self, n: int, *, within: tuple[FloatArray, FloatArray] | None = None) -> FloatArray:
+        """The vertices of the next n points of the sequence, shape (n * copies, width)."""
+        low, high = (self.low, self.high) if within is None else within
+        return self._steering.vertices(self._next(n), low, high)
+
+    def places(self, states: FloatArray) -> FloatArray:
+        """Points whose Euclidean distances say how near vertices are, see the steering."""
+        return self._steering.places(states)
 
 
 def _rotations(unit: FloatArray) -> FloatArray:

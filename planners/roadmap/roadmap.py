@@ -25,6 +25,9 @@ THIN = 1.5
 SPARSE = 3000
 """Vertices below which that is not worth while."""
 
+CHUNK = 1 << 17
+"""Edges that are bounded at a time, for the sake of memory."""
+
 Stop = Callable[[], bool]
 
 
@@ -139,15 +142,17 @@ class Roadmap:
         return numbers
 
     def grow(self, n: int, stop: Stop = never) -> int:
-        """Sample n states and connect those that are allowed and could improve on ``best``.
+        """Sample n places and connect those that are allowed and could improve on ``best``.
 
         Returns:
-            How many were added; fewer if ``stop`` says so.
+            How many states were added; fewer if ``stop`` says so.
         """
         states = self.region.sample(n, within=self._worthwhile())
-        found = [states[part][self._useful(states[part])] for part in self._parts(n, stop)]
+        parts = self._parts(len(states), stop)
+        found = [states[part][self._useful(states[part])] for part in parts]
         added = len(self.insert(np.vstack([np.empty((0, self.region.width)), *found])))
-        if self.n > max(THIN * self._thinned, SPARSE):
+        # Directed motions cost so much to bound that it is better to keep them.
+        if self.edges.undirected and self.n > max(THIN * self._thinned, SPARSE):
             self.thin_out()
             self._thinned = self.n
         return added
@@ -232,12 +237,29 @@ class Roadmap:
         tail, head = new_pairs(every, start, self.region, self._threads)
         if not self.edges.undirected:
             tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
-        a, b = every[tail], every[head]
-        bound = self.motions.heuristics(a, b, clearance[tail], clearance[head])
-        least = self.motions.least_durations(a, b)
+        tail, head, bound, least = self._bounded(every, clearance, tail, head)
         self.states, self.clearance = every, clearance
         self.edges.add(self.n, tail, head, risk=bound, duration=least)
         return np.arange(start, self.n, dtype=np.int32)
+
+    def _bounded(
+        self, states: FloatArray, clearance: FloatArray, tail: Integers, head: Integers
+    ) -> tuple[Integers, Integers, FloatArray, FloatArray]:
+        """The pairs between which there may be a motion, with lower bounds for its risk and time.
+
+        Those between which there is none are left out.
+        """
+        bound, least = np.empty(len(tail)), np.empty(len(tail))
+        for i in range(0, len(tail), CHUNK):
+            part = slice(i, i + CHUNK)
+            t, h = tail[part], head[part]
+            bound[part], least[part] = self.motions.edge_bounds(
+                states[t], states[h], clearance[t], clearance[h]
+            )
+        exist = np.isfinite(least)
+        if exist.all():
+            return tail, head, bound, least
+        return tail[exist], head[exist], bound[exist], least[exist]
 
     def thin_out(self) -> None:
         """Connect all vertices anew to their nearest, and keep what else has been evaluated.
@@ -253,10 +275,7 @@ class Roadmap:
         if not old.undirected:
             near, far = np.concatenate([near, far]), np.concatenate([far, near])
         new = ~np.isin(self._keys(near, far), self._keys(tail, head))
-        near, far = near[new], far[new]
-        a, b = self.states[near], self.states[far]
-        bound = self.motions.heuristics(a, b, self.clearance[near], self.clearance[far])
-        least = self.motions.least_durations(a, b)
+        near, far, bound, least = self._bounded(self.states, self.clearance, near[new], far[new])
         self.edges = Edges(time_weight=self._time_weight, undirected=old.undirected)
         self.edges.add(self.n, tail, head, risk=risk, duration=duration)
         self.edges.evaluated(np.arange(len(kept), dtype=np.int32), risk, duration)

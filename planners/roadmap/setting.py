@@ -23,6 +23,7 @@ from ompl_risk.planners.improve import refine
 from ompl_risk.planners.roadmap.anytime import Polish
 from ompl_risk.planners.roadmap.gate import ClearanceGate, Flags, Gate, all_of
 from ompl_risk.planners.roadmap.region import Region
+from ompl_risk.planners.roadmap.translation import GeometricTranslation, Translation
 
 LENGTH = Risk(norm=Lp(1), speed=1.0, duration_weight=1.0)
 """How the length of a path is counted: no risk, and a second for every metre."""
@@ -54,6 +55,8 @@ class Setting:
         clearance: of the objective; None if it minimises the length.
         obstacles: a clearance that paths keep positive; None if it takes more than one.
         straight: whether vertices are connected by straight motions.
+        undirected: whether motions can be flown both ways.
+        translation: between OMPL's states and the roadmap's.
     """
 
     region: Region
@@ -63,6 +66,8 @@ class Setting:
     clearance: Any
     obstacles: Any
     straight: bool
+    undirected: bool
+    translation: Translation
 
     def polish(self, seconds: float = POLISH) -> Polish | None:
         """Local refinement of paths; None where it would be too slow, or bend what steering gives.
@@ -112,8 +117,8 @@ def read_setting(
     """
     space = si.getStateSpace()
     StateReader(space)  # says which spaces can be read
-    clearance, risk = _counted(objective)
-    obstacles, foreign = _obstacles(si, clearance)
+    clearance, risk = counted(objective)
+    obstacles, foreign = obstacles_of(si, clearance)
     posed = any(getattr(c, "uses_orientation", False) for c in obstacles)
     posed = posed or (foreign and isinstance(space, ob.SE3StateSpace))
     reach = max([TURN, *(float(getattr(c, "reach", 0.0)) for c in obstacles)])
@@ -122,13 +127,20 @@ def read_setting(
     free = Risk(speed=risk.speed)
     gates: list[Gate] = [
         ClearanceGate(_motions(one, free, steering, region.width, threads))
-        for one in obstacles
-        if clearance is None or not _same(one, clearance)  # its risk is infinite in collision
+        for one in distinct(obstacles, clearance)
     ]
     if foreign:
         gates = [CheckerGate(si, motions)]
     return Setting(
-        region, motions, risk, all_of(gates), clearance, _widest(obstacles), steering is None
+        region,
+        motions,
+        risk,
+        all_of(gates),
+        clearance,
+        _widest(obstacles),
+        straight=steering is None,
+        undirected=steering is None or steering.symmetric,
+        translation=GeometricTranslation(si),
     )
 
 
@@ -193,7 +205,7 @@ def full_state(numbers: FloatArray, width: int) -> FloatArray:
     return np.concatenate([numbers, [0.0, 0.0, 0.0, 1.0]])
 
 
-def _counted(objective: Any) -> tuple[Any, Risk]:
+def counted(objective: Any) -> tuple[Any, Risk]:
     """Clearance and risk of an objective."""
     if isinstance(objective, RiskObjective):
         for name in ("stateCost", "motionCost", "motionCostHeuristic"):
@@ -211,7 +223,7 @@ def _is_ours(thing: Any, method: str, kind: type) -> bool:
     return isinstance(thing, kind) and getattr(type(thing), method) is getattr(kind, method)
 
 
-def _obstacles(si: ob.SpaceInformation, clearance: Any) -> tuple[list[Any], bool]:
+def obstacles_of(si: ob.SpaceInformation, clearance: Any) -> tuple[list[Any], bool]:
     """The clearances that OMPL's checkers go by, and whether one of them is not ours."""
     checker: Any = si.getStateValidityChecker()
     validator: Any = si.getMotionValidator()
@@ -241,14 +253,28 @@ def _same(one: Any, other: Any) -> bool:
     return one is other
 
 
+def distinct(obstacles: list[Any], clearance: Any) -> list[Any]:
+    """Those besides the clearance of the objective, whose risk is infinite in collision."""
+    return [one for one in obstacles if clearance is None or not _same(one, clearance)]
+
+
 def _region(space: Any, *, posed: bool, reach: float, seed: int) -> Region:
     if type(space) not in (ob.RealVectorStateSpace, ob.SE3StateSpace):
-        raise ArgumentError(
-            "si.getStateSpace()", type(space).__name__, "R^3 or SE(3), with straight motions"
-        )
+        allowed = "R^3 or SE(3), with straight motions; others with a KinodynamicSteering"
+        raise ArgumentError("si.getStateSpace()", type(space).__name__, allowed)
+    low, high = bounds_of(space)
+    return Region(low, high, posed=posed, reach=reach, seed=seed)
+
+
+def bounds_of(space: Any) -> tuple[list[float], list[float]]:
+    """Least and greatest coordinates of R^3 or SE(3) [m].
+
+    Raises:
+        ArgumentError: bounds that are not set.
+    """
     bounds = space.getBounds()
     low, high = ([float(side[k]) for k in range(3)] for side in (bounds.low, bounds.high))
     for a, b in zip(low, high, strict=True):
         if not (math.isfinite(a) and math.isfinite(b) and a < b):
             raise ArgumentError("space.getBounds()", [low, high], "finite, low below high")
-    return Region(low, high, posed=posed, reach=reach, seed=seed)
+    return low, high

@@ -1,0 +1,115 @@
+"""What a roadmap needs to know of an OMPL problem whose vehicle has dynamics."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from ompl import base as ob
+from ompl import control as oc
+
+from ompl_risk._arrays import FloatArray
+from ompl_risk.avoidance import InverseDistance
+from ompl_risk.bridge.states import StateReader
+from ompl_risk.errors import ArgumentError
+from ompl_risk.motion import MotionBatch, Risk
+from ompl_risk.motion.kinodynamic import KinodynamicSteering
+from ompl_risk.norms import Lp
+from ompl_risk.planners.roadmap.gate import ClearanceGate, Flags, Gate, all_of
+from ompl_risk.planners.roadmap.region import VertexRegion
+from ompl_risk.planners.roadmap.setting import Setting, bounds_of, counted, distinct, obstacles_of
+from ompl_risk.planners.roadmap.translation import VertexTranslation
+
+FREE = InverseDistance(2e-3)
+"""Finds hardly anything risky but collisions: for plans that heed time alone."""
+
+
+class BoxGate(Gate):
+    """Allows what stays within a box: between its vertices a vehicle may swing out.
+
+    Args:
+        motions: of the steering.
+        low: least coordinates [m], shape (3,).
+        high: greatest coordinates [m], shape (3,).
+    """
+
+    def __init__(self, motions: MotionBatch, low: FloatArray, high: FloatArray) -> None:
+        self._motions, self._low, self._high = motions, low, high
+        self.compiled = motions.compiled
+
+    def allows_states(self, states: FloatArray) -> Flags:
+        """Which states lie in the box."""
+        positions = states[:, :3]
+        return np.all((positions >= self._low) & (positions <= self._high), axis=1)
+
+    def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
+        """Which motions lie in the box throughout."""
+        low, high = self._motions.extents(a, b)
+        return np.all((low >= self._low) & (high <= self._high), axis=1)
+
+
+def read_vehicle_setting(
+    si: ob.SpaceInformation,
+    objective: Any,
+    *,
+    seed: int,
+    steering: KinodynamicSteering,
+    threads: int | None = None,
+) -> Setting:
+    """Read a problem of a vehicle with dynamics.
+
+    Args:
+        si: an ``oc.SpaceInformation`` over the states of the vehicle, with bounds.
+        objective: a ``RiskObjective``, its speed replaced by the vehicle's; None for duration.
+        seed: of the samples.
+        steering: of the vehicle.
+        threads: of compiled code, at most.
+
+    Raises:
+        ArgumentError: another space or objective, one without bounds, or checkers that are not
+            this library's: they cannot be asked about a flight as a whole.
+    """
+    if not isinstance(si, oc.SpaceInformation):
+        allowed = "an oc.SpaceInformation, as of helicopter.simple_setup(...)"
+        raise ArgumentError("si", type(si).__name__, allowed)
+    width = StateReader(si.getStateSpace()).width
+    if width != steering.state_width:
+        allowed = f"one of {steering.state_width} numbers, as the steering's vehicle"
+        raise ArgumentError("si.getStateSpace()", f"one of {width} numbers", allowed)
+    clearance, risk = _counted(objective, steering.speed)
+    obstacles, foreign = obstacles_of(si, clearance)
+    if foreign or not obstacles:
+        checker = type(si.getStateValidityChecker()).__name__
+        allowed = "a ClearanceValidityChecker, or the helicopter's own"
+        raise ArgumentError("si.getStateValidityChecker()", checker, allowed)
+    space: Any = si.getStateSpace()
+    low, high = bounds_of(space.getSubspace(0))
+    region = VertexRegion(low, high, steering, seed=seed)
+    seen = obstacles[0] if clearance is None else clearance
+    motions = steering.batch(seen, replace(risk, duration_weight=0.0), threads=threads)
+    free = Risk(speed=steering.speed)
+    gates: list[Gate] = [BoxGate(motions, region.low, region.high)]
+    gates += [
+        ClearanceGate(steering.batch(one, free, threads=threads))
+        for one in distinct(obstacles, seen)
+    ]
+    return Setting(
+        region,
+        motions,
+        risk,
+        all_of(gates),
+        clearance,
+        obstacles[0] if len(obstacles) == 1 else None,
+        straight=False,
+        undirected=False,
+        translation=VertexTranslation(si, steering),
+    )
+
+
+def _counted(objective: Any, speed: float) -> tuple[Any, Risk]:
+    """Clearance and risk; time alone without a ``RiskObjective``."""
+    if objective is None or type(objective) is ob.PathLengthOptimizationObjective:
+        return None, Risk(FREE, Lp(1), speed=speed, duration_weight=1.0)
+    clearance, risk = counted(objective)
+    return clearance, replace(risk, speed=speed)
