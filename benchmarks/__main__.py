@@ -6,6 +6,7 @@
     python -m benchmarks --gate | --update-baseline [--full] [--baseline FILE.json] [...]
     python -m benchmarks peers [--quick] [...]
     python -m benchmarks objectives ...
+    python -m benchmarks helicopter ...
 
 Exit code 0 unless a figure of correctness is wrong: speed depends on the machine and on what else
 runs on it, so targets of speed that are missed are shown and do not fail the run. With ``--gate``
@@ -36,6 +37,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from benchmarks.campaign.cli import main as objectives
 
         return objectives(given[1:])
+    if given[:1] == ["helicopter"]:
+        from benchmarks.scenario.cli import main as helicopter
+
+        return helicopter(given[1:])
     if given[:1] == ["peers"]:
         return _measure(PEERS, parsed(given[1:], "python -m benchmarks peers", PEERS))
     options = parsed(given, "python -m benchmarks", BENCHMARKS, gated=True)

@@ -25,7 +25,8 @@ if TYPE_CHECKING:
 ROADMAP, PORTFOLIO = "roadmap", "portfolio"
 OF_ROADMAP = "samples", "roadmap_norm", "pareto"
 OF_SEARCHES = "searches", "runs", "effort", "time_limit"
-"""Settings that only the roadmap, or only planners of OMPL, have a use for."""
+OF_HELICOPTER = ("animation",)
+"""Settings that only the roadmap, only planners of OMPL, or only the helicopter have a use for."""
 
 
 def plan(settings: PlanSettings, console: Console) -> Judgement:
@@ -83,7 +84,11 @@ def _finder(settings: PlanSettings, problem: planners.Problem) -> Finder:
     if settings.seed < 1:
         raise ArgumentError("seed", settings.seed, "a whole number of at least 1")
     kind = settings.planner.lower()
-    _refuse_idle(settings, OF_SEARCHES if kind == ROADMAP else OF_ROADMAP)
+    idle = OF_SEARCHES if kind == ROADMAP else OF_ROADMAP
+    _refuse_idle(settings, idle, f"--planner {settings.planner}")
+    if settings.vehicle == "helicopter":
+        return _helicopter_finder(settings, problem, kind)
+    _refuse_idle(settings, OF_HELICOPTER, "--vehicle point")
     if kind == ROADMAP:
         return RoadmapFinder(settings, problem)
     if kind == PORTFOLIO:
@@ -95,12 +100,24 @@ def _finder(settings: PlanSettings, problem: planners.Problem) -> Finder:
     return CandidateFinder(settings, problem, names[kind])
 
 
-def _refuse_idle(settings: PlanSettings, names: tuple[str, ...]) -> None:
-    """Refuse settings that were changed but have no say with this planner."""
+def _helicopter_finder(settings: PlanSettings, problem: planners.Problem, kind: str) -> Finder:
+    if kind != ROADMAP:
+        allowed = "roadmap: others do not plan trajectory primitives"
+        raise ArgumentError("planner", settings.planner, allowed)
+    if settings.speed != PlanSettings().speed:
+        allowed = "left out with --vehicle helicopter: its primitives have speeds of their own"
+        raise ArgumentError("speed", settings.speed, allowed)
+    from ompl_risk.cli.helicopter import HelicopterFinder
+
+    return HelicopterFinder(settings, problem)
+
+
+def _refuse_idle(settings: PlanSettings, names: tuple[str, ...], choice: str) -> None:
+    """Refuse settings that were changed but have no say with a planner or vehicle."""
     for name in names:
         value = getattr(settings, name)
         if value != getattr(PlanSettings(), name):
-            allowed = f"left out with --planner {settings.planner}, which has no use for it"
+            allowed = f"left out with {choice}, which has no use for it"
             raise ArgumentError(name, value, allowed)
 
 
@@ -120,8 +137,9 @@ def _facts(settings: PlanSettings, judgement: Judgement, found: Found) -> dict[s
 
 def _title(settings: PlanSettings, scene: Scene, problem: planners.Problem, count: int) -> str:
     name, kilometres = scene.terrain.name, problem.distance / 1000
+    flown = "by helicopter" if settings.vehicle == "helicopter" else f"at {settings.speed:g} m/s"
     return (
         f"{name[:1].upper() + name[1:]}: {count} paths over {kilometres:.1f} km "
-        f"at {settings.speed:g} m/s, "
+        f"{flown}, "
         f"durations within {100 * settings.duration_tolerance:g} %"
     )

@@ -12,15 +12,18 @@ from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.settings import PlanSettings
 from ompl_risk.errors import ArgumentError, PlanningError
 from ompl_risk.motion import Risk
-from ompl_risk.norms import parse_norm
+from ompl_risk.norms import Norm, parse_norm
 from ompl_risk.planners.roadmap.building import roadmap_of
-from ompl_risk.planners.roadmap.equal_time import EqualTimePaths, equal_time_paths
+from ompl_risk.planners.roadmap.equal_time import equal_time_paths
 from ompl_risk.planners.roadmap.exploring import pareto_routes
 from ompl_risk.planners.roadmap.roadmap import Roadmap
 from ompl_risk.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+SAMPLES = 30_000
+"""Sampled where the number is left out."""
 
 
 class RoadmapFinder(Finder):
@@ -35,13 +38,10 @@ class RoadmapFinder(Finder):
     """
 
     def __init__(self, settings: PlanSettings, problem: planners.Problem) -> None:
-        if settings.samples < 1:
+        self._samples = SAMPLES if settings.samples is None else settings.samples
+        if self._samples < 1:
             raise ArgumentError("samples", settings.samples, "a whole number of at least 1")
-        self._norm = parse_norm(settings.roadmap_norm, argument="roadmap_norm")
-        try:
-            Risk(problem.avoidance, self._norm, speed=problem.speed)
-        except ArgumentError as error:
-            raise ArgumentError("roadmap_norm", settings.roadmap_norm, error.allowed) from None
+        self._norm = norm_of(settings, problem)
         self._settings, self._problem = settings, problem
 
     def find(self, folder: RunFolder, console: Console) -> Found:
@@ -52,10 +52,10 @@ class RoadmapFinder(Finder):
         """
         settings = self._settings
         with progress_bar(console) as progress:
-            growing = progress.add_task("growing a roadmap", total=settings.samples)
+            growing = progress.add_task("growing a roadmap", total=self._samples)
             roadmap = roadmap_of(
                 self._problem,
-                samples=settings.samples,
+                samples=self._samples,
                 norm=self._norm,
                 seed=settings.seed,
                 threads=settings.workers,
@@ -70,7 +70,7 @@ class RoadmapFinder(Finder):
                 min_distance=settings.separation * self._problem.distance,
                 on_path=lambda chosen: progress.update(choosing, completed=chosen),
             )
-        _check(roadmap, paths)
+        check_found(roadmap, len(paths.positions))
         if settings.pareto:
             write_pareto(pareto_routes(roadmap), self._norm, self._problem.speed, folder, console)
         return Found(
@@ -91,10 +91,29 @@ class RoadmapFinder(Finder):
         )
 
 
-def _check(roadmap: Roadmap, paths: EqualTimePaths) -> None:
-    if len(paths.positions) >= 2:
+def norm_of(settings: PlanSettings, problem: planners.Problem) -> Norm:
+    """The norm that the roadmap counts risk by.
+
+    Raises:
+        ArgumentError: no norm, or one that does not add up along a path.
+    """
+    norm = parse_norm(settings.roadmap_norm, argument="roadmap_norm")
+    try:
+        Risk(problem.avoidance, norm, speed=problem.speed)
+    except ArgumentError as error:
+        raise ArgumentError("roadmap_norm", settings.roadmap_norm, error.allowed) from None
+    return norm
+
+
+def check_found(roadmap: Roadmap, count: int) -> None:
+    """Refuse to go on with fewer than two paths.
+
+    Raises:
+        PlanningError: says what there is, and what to try.
+    """
+    if count >= 2:
         return
-    if not paths.positions:
+    if count == 0:
         outcome = (
             f"no path in a roadmap of {roadmap.n} vertices, of which {roadmap.reached} can be "
             "reached from the start"

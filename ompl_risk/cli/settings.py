@@ -69,15 +69,19 @@ class PlanSettings(JudgeSettings):
             left out. Without a ceiling paths would climb out of all risk.
         min_clearance: least clearance that a path may have [m].
         margin: how far paths may leave the rectangle of start and goal, in distances between them.
-        speed: constant speed [m/s].
+        vehicle: point, which flies straight legs at constant speed; or helicopter, which flies
+            trajectory primitives, at up to 30 m/s, from hover to hover.
+        speed: constant speed of the point [m/s].
         planner: roadmap; portfolio, which runs the searches by the planners that they name; or a
             planner of OMPL that runs them all, such as rrtstar or bitstar.
         count: number of paths to find and rank, also called --alternatives.
         separation: least Frechet distance between two chosen paths, in distances from start to
             goal.
-        samples: states that the roadmap samples.
+        samples: places that the roadmap samples; 30,000 for the point and 3,000 for the
+            helicopter, whose roadmap has a vertex for every cruise speed at each, if left out.
         roadmap_norm: norm that the roadmap counts risk by: L1, L2, any Lp, Linf, H1.
         pareto: also find all paths of the roadmap that no other undercuts in duration and risk.
+        animation: also write an animation of the safest flight of the helicopter by the last norm.
         searches: criteria that planners of OMPL plan by, each "length" or norm@clearance such as
             H1@20, where a second of flight costs as much as a second at that clearance [m];
             "planner:criterion" for another planner than BITstar.
@@ -96,13 +100,15 @@ class PlanSettings(JudgeSettings):
     ceiling: float | None = None
     min_clearance: float = 20.0
     margin: float = 0.15
+    vehicle: Literal["point", "helicopter"] = "point"
     speed: float = 30.0
     planner: str = "roadmap"
     count: Annotated[Whole, Parameter(name=("--count", "--alternatives"))] = 5
     separation: float = 0.02
-    samples: Whole = 30_000
+    samples: Whole | None = None
     roadmap_norm: str = "H1"
     pareto: bool = False
+    animation: Literal["gif", "mp4"] | None = None
     searches: tuple[str, ...] = SEARCHES
     runs: Whole = 2
     effort: float = 1.0

@@ -66,6 +66,30 @@ class ClearanceGate(Gate):
         return self._motions.are_free(a, b)
 
 
+class BoxGate(Gate):
+    """Allows what stays within a box: between its vertices a vehicle may swing out.
+
+    Args:
+        motions: of the steering.
+        low: least coordinates [m], shape (3,).
+        high: greatest coordinates [m], shape (3,).
+    """
+
+    def __init__(self, motions: MotionBatch, low: FloatArray, high: FloatArray) -> None:
+        self._motions, self._low, self._high = motions, low, high
+        self.compiled = motions.compiled
+
+    def allows_states(self, states: FloatArray) -> Flags:
+        """Which states lie in the box."""
+        positions = states[:, :3]
+        return np.all((positions >= self._low) & (positions <= self._high), axis=1)
+
+    def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
+        """Which motions lie in the box throughout."""
+        low, high = self._motions.extents(a, b)
+        return np.all((low >= self._low) & (high <= self._high), axis=1)
+
+
 class AllGates(Gate):
     """Allows what several gates allow.
 

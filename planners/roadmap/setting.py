@@ -15,6 +15,7 @@ from ompl_risk.bridge import ClearanceMotionValidator, ClearanceValidityChecker,
 from ompl_risk.bridge.states import StateReader, StateWriter
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
+from ompl_risk.helicopter.validity import HelicopterValidityChecker
 from ompl_risk.motion import MotionBatch, Risk, motion_batch, steered_batch
 from ompl_risk.motion.length import LengthBatch
 from ompl_risk.motion.steering import Steering
@@ -38,6 +39,9 @@ OBJECTIVES = (
     "a RiskObjective or ob.PathLengthOptimizationObjective as they are: RiskRoadmap evaluates "
     "motions in batches and cannot ask others"
 )
+
+CHECKERS = ClearanceValidityChecker, HelicopterValidityChecker
+"""Validity checkers whose answer is that of their clearance, for whatever a steering flies."""
 
 TURN = 0.5
 """What turning by a radian counts in metres at least: as in OMPL's own distance in SE(3)."""
@@ -233,7 +237,7 @@ def obstacles_of(si: ob.SpaceInformation, clearance: Any) -> tuple[list[Any], bo
         ours.append(validator.obstacles)
     elif type(validator) is not ob.MotionValidator:  # OMPL's own asks the checker
         foreign = True
-    if _is_ours(checker, "isValid", ClearanceValidityChecker):
+    if any(_is_ours(checker, "isValid", kind) for kind in CHECKERS):
         ours.append(checker.obstacles)
     elif checker is not None and type(checker) is not ob.AllValidStateValidityChecker:
         foreign = True

@@ -5,48 +5,22 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import numpy as np
 from ompl import base as ob
 from ompl import control as oc
 
-from ompl_risk._arrays import FloatArray
 from ompl_risk.avoidance import InverseDistance
 from ompl_risk.bridge.states import StateReader
 from ompl_risk.errors import ArgumentError
-from ompl_risk.motion import MotionBatch, Risk
+from ompl_risk.motion import Risk
 from ompl_risk.motion.kinodynamic import KinodynamicSteering
 from ompl_risk.norms import Lp
-from ompl_risk.planners.roadmap.gate import ClearanceGate, Flags, Gate, all_of
+from ompl_risk.planners.roadmap.gate import BoxGate, ClearanceGate, Gate, all_of
 from ompl_risk.planners.roadmap.region import VertexRegion
 from ompl_risk.planners.roadmap.setting import Setting, bounds_of, counted, distinct, obstacles_of
 from ompl_risk.planners.roadmap.translation import VertexTranslation
 
 FREE = InverseDistance(2e-3)
 """Finds hardly anything risky but collisions: for plans that heed time alone."""
-
-
-class BoxGate(Gate):
-    """Allows what stays within a box: between its vertices a vehicle may swing out.
-
-    Args:
-        motions: of the steering.
-        low: least coordinates [m], shape (3,).
-        high: greatest coordinates [m], shape (3,).
-    """
-
-    def __init__(self, motions: MotionBatch, low: FloatArray, high: FloatArray) -> None:
-        self._motions, self._low, self._high = motions, low, high
-        self.compiled = motions.compiled
-
-    def allows_states(self, states: FloatArray) -> Flags:
-        """Which states lie in the box."""
-        positions = states[:, :3]
-        return np.all((positions >= self._low) & (positions <= self._high), axis=1)
-
-    def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
-        """Which motions lie in the box throughout."""
-        low, high = self._motions.extents(a, b)
-        return np.all((low >= self._low) & (high <= self._high), axis=1)
 
 
 def read_vehicle_setting(

@@ -1,0 +1,124 @@
+"""``python -m benchmarks helicopter``: the paper's scenario once in pictures, and many times."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Iterator, Sequence
+from datetime import datetime, timezone
+from pathlib import Path
+
+import joblib
+from rich.console import Console
+
+from benchmarks import environment
+from benchmarks.campaign.progress import clock
+from benchmarks.scenario import procedure
+from benchmarks.scenario.example import draw_example
+from benchmarks.scenario.records import Record, evaluate, keep, kept
+from benchmarks.scenario.report import draw_hits, judged, markdown, notes, terminal_tables
+
+PAIRS, QUICK = 200, 8
+
+
+def main(argv: Sequence[str]) -> int:
+    """Do what has not been done yet, then report.
+
+    Returns:
+        0; 1 if a pair failed; 2 for wrong use; 130 after Ctrl-C, when everything finished is kept.
+    """
+    options = _options(argv)
+    out = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
+    err = Console(stderr=True, highlight=False)
+    options.output.mkdir(parents=True, exist_ok=True)
+    try:
+        _log(options)
+        _carry_out(options, err)
+    except KeyboardInterrupt:
+        err.print("\nstopped; every finished pair is kept, and the same command goes on from here")
+        return 130
+    records = list(kept(options.output, options.seed, options.pairs).values())
+    _report(records, options.output, out)
+    if not options.no_example:
+        err.print("drawing the example's figures 4 and 5")
+        draw_example(options.output, out)
+    return 1 if any(record["status"] == "failed" for record in records) else 0
+
+
+def _carry_out(options: argparse.Namespace, err: Console) -> None:
+    """Evaluate the pairs that are left, and keep each as it comes."""
+    done = kept(options.output, options.seed, options.pairs)
+    if options.retry_failed:
+        done = {k: record for k, record in done.items() if record["status"] != "failed"}
+    left = [number for number in range(options.pairs) if number not in done]
+    if done:
+        err.print(f"{len(done)} of {options.pairs} pairs were done before")
+    begin = datetime.now(timezone.utc)
+    for count, record in enumerate(_evaluated(options, left), start=1):
+        keep(options.output, record)
+        seconds = (datetime.now(timezone.utc) - begin).total_seconds()
+        time_left = clock(seconds / count * (len(left) - count))
+        said = f": {record['reason']}" if record["status"] == "failed" else ""
+        err.print(
+            f"{len(done) + count}/{options.pairs}  {time_left} left  "
+            f"pair {record['pair']} {record['status']}{said}",
+            markup=False,
+            soft_wrap=True,
+        )
+
+
+def _evaluated(options: argparse.Namespace, left: Sequence[int]) -> Iterator[Record]:
+    work = joblib.Parallel(n_jobs=options.workers, return_as="generator_unordered")
+    yield from work(joblib.delayed(evaluate)(options.seed, number) for number in left)
+
+
+def _report(records: list[Record], folder: Path, out: Console) -> None:
+    for note in notes(records):
+        out.print(note, markup=False, soft_wrap=True)
+    for table in terminal_tables(records) if judged(records) else ():
+        out.print(table)
+    (folder / "report.md").write_text(markdown(records, procedure.__doc__ or ""), encoding="utf-8")
+    draw_hits(records, folder / "hits.png")
+    out.print(f"in {folder}: report.md, hits.png, pairs/", markup=False, soft_wrap=True)
+
+
+def _log(options: argparse.Namespace) -> None:
+    facts = {
+        "started": datetime.now(timezone.utc).isoformat(timespec="seconds"),
+        "options": {name: str(value) for name, value in vars(options).items()},
+        "machine": environment.machine(),
+        "versions": environment.versions(),
+    }
+    with (options.output / "sessions.jsonl").open("a", encoding="utf-8") as file:
+        file.write(json.dumps(facts) + "\n")
+
+
+def _options(argv: Sequence[str]) -> argparse.Namespace:
+    parser = argparse.ArgumentParser(
+        "python -m benchmarks helicopter",
+        description="Five helicopter flights of equal time over Jacksboro, for many pairs of start "
+        "and goal: how often what the paper found holds. Start it again with the same command and "
+        "it goes on where it was stopped.",
+    )
+    parser.add_argument("--pairs", type=_count, help=f"({PAIRS}; quick {QUICK})")
+    parser.add_argument("--quick", action="store_true", help="few pairs, in a minute or two")
+    parser.add_argument("--seed", type=int, default=0, help="of the pairs (%(default)s)")
+    parser.add_argument("--workers", type=_count, default=joblib.cpu_count(), help="(%(default)s)")
+    parser.add_argument("--output", type=Path, metavar="FOLDER", help="(runs/helicopter)")
+    parser.add_argument("--retry-failed", action="store_true", help="do those again that failed")
+    parser.add_argument("--no-example", action="store_true", help="without figures 4 and 5")
+    options = parser.parse_args(argv)
+    if options.pairs is None:
+        options.pairs = QUICK if options.quick else PAIRS
+    if options.output is None:
+        options.output = Path("runs") / f"helicopter{'-quick' if options.quick else ''}"
+    if options.seed < 0:
+        parser.error(f"argument --seed: {options.seed}: must be 0 or more")
+    return options
+
+
+def _count(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number of at least 1")
+    return int(text)

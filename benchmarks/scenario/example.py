@@ -1,0 +1,40 @@
+"""One pair in pictures: the paper's figures 4 and 5, and its table."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from rich.console import Console
+
+from benchmarks.scenario import procedure
+from benchmarks.scenario.findings import CLAIMS, claims
+from ompl_risk.cli.settings import PLACES
+from ompl_risk.report import flight_views, ranking_figure
+
+SEED = 1
+
+
+def draw_example(folder: Path, out: Console) -> None:
+    """Fly the default pair of ``ompl-risk plan``, judge it as all the others, and draw it."""
+    places = PLACES["jacksboro"]
+    ends = procedure.Pair(places["start"], places["goal"])
+    judgement = procedure.judged(procedure.flights(ends, SEED, threads=None))
+    ranking, terrain = judgement.ranking, procedure.scene().terrain
+    out.print(ranking)
+    found = claims(ranking.orders, ranking.pc_orders)
+    for name, words in CLAIMS.items():
+        out.print(f"{'holds' if found[name] else 'does not hold'}: {words}", markup=False)
+    ceiling = float(procedure.problem(ends).high[2])
+    title = "Jacksboro: five helicopter flights of equal time"
+    ranking_figure(
+        ranking,
+        judgement.profiles,
+        terrain,
+        d0=procedure.FAR,
+        ceiling=ceiling,
+        title=title,
+        path=folder / "figure5.png",
+    )
+    trajectories = [assessment.trajectory for assessment in ranking.assessments]
+    flight_views(trajectories, terrain, title=title, path=folder / "figure4.png")
+    out.print(f"in {folder}: figure4.png, figure5.png", markup=False, soft_wrap=True)

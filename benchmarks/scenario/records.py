@@ -1,0 +1,75 @@
+"""One file for each pair: what was found, kept whatever happens to the rest."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import Any
+
+from benchmarks.campaign.run import code
+from benchmarks.scenario import procedure
+from benchmarks.scenario.findings import REFERENCE, claims
+
+Record = dict[str, Any]
+
+
+def evaluate(seed: int, number: int) -> Record:
+    """Plan, fly and judge a pair; a failure is a record too."""
+    begin = time.perf_counter()
+    record: Record = {"seed": seed, "pair": number, "code": code()}
+    try:
+        ends = procedure.pair(seed, number)
+        record |= {"start": list(ends.start), "goal": list(ends.goal)}
+        record |= _found(procedure.flights(ends, number + 1))
+    except Exception as error:  # the others go on
+        record |= {"status": "failed", "reason": f"{type(error).__name__}: {error}"}
+    return {**record, "seconds": round(time.perf_counter() - begin, 2)}
+
+
+def _found(trajectories: list[Any]) -> Record:
+    if len(trajectories) < procedure.FLIGHTS:
+        return {"status": "fewer", "flights": len(trajectories)}
+    ranking = procedure.judged(trajectories).ranking
+    agreement = ranking.pc_agreement
+    if agreement is None:
+        raise RuntimeError("a ranking without probabilities")
+    orders = {label: list(order) for label, order in ranking.orders.items()}
+    pc_orders = {label: list(order) for label, order in ranking.pc_orders.items()}
+    return {
+        "status": "judged",
+        "durations": {a.name: a.duration for a in ranking.assessments},
+        "least clearances": {a.name: a.min_clearance for a in ranking.assessments},
+        "norms": {a.name: dict(a.norms) for a in ranking.assessments},
+        "pc norms": {a.name: dict(a.pc_norms) for a in ranking.assessments},
+        "orders": orders,
+        "pc orders": pc_orders,
+        "tau": {label: agreement[label, REFERENCE] for label in orders},
+        "claims": claims(orders, pc_orders),
+    }
+
+
+def path_of(folder: Path, number: int) -> Path:
+    """The file of a pair."""
+    return folder / "pairs" / f"{number:04d}.json"
+
+
+def keep(folder: Path, record: Record) -> None:
+    """Write a record in one go: a reader never sees half of one."""
+    path = path_of(folder, record["pair"])
+    path.parent.mkdir(parents=True, exist_ok=True)
+    draft = path.with_suffix(".part")
+    draft.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
+    draft.replace(path)
+
+
+def kept(folder: Path, seed: int, count: int) -> dict[int, Record]:
+    """Records of the first pairs that are there, of this seed and procedure."""
+    found = {}
+    for number in range(count):
+        path = path_of(folder, number)
+        if path.exists():
+            record = json.loads(path.read_text(encoding="utf-8"))
+            if record["seed"] == seed:
+                found[number] = record
+    return found

@@ -1,0 +1,109 @@
+"""What was found in all pairs: tables on the terminal and as Markdown, and a figure."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.table import Table
+
+from benchmarks.scenario.findings import CLAIMS, REFERENCE, Share, hits
+
+Records = Sequence[Mapping[str, Any]]
+
+
+def judged(records: Records) -> list[Mapping[str, Any]]:
+    """Those with five flights."""
+    return [record for record in records if record["status"] == "judged"]
+
+
+def notes(records: Records) -> list[str]:
+    """What became of the pairs."""
+    counts = Counter(record["status"] for record in records)
+    found = [f"{len(records)} pairs: {', '.join(f'{n} {what}' for what, n in counts.items())}"]
+    spreads = [_spread(record) for record in judged(records)]
+    if spreads:
+        found.append(
+            f"durations of the five differ by {100 * float(np.median(spreads)):.1f} % in the "
+            f"median, {100 * max(spreads):.1f} % at most"
+        )
+    found += [f"pair {r['pair']}: {r['reason']}" for r in records if r["status"] == "failed"]
+    return found
+
+
+def _spread(record: Mapping[str, Any]) -> float:
+    durations = record["durations"].values()
+    return max(durations) / min(durations) - 1.0
+
+
+def tables(records: Records) -> Iterator[tuple[str, list[str], list[list[str]]]]:
+    """Title, header and lines of each table."""
+    sets = judged(records)
+    lines = []
+    for name, words in CLAIMS.items():
+        share = Share.of([record["claims"][name] for record in sets])
+        lines.append([words, f"{share.count} of {share.total}", str(share)])
+    yield "What the paper found", ["finding", "holds in", "share [95 % interval]"], lines
+    for title, end in (("safest", 0), ("riskiest", -1)):
+        found = hits(sets, end)
+        header = ["norm of f", *(f"{title} by {pc} of P_c" for pc in found)]
+        lines = [[label, *map(str, row.values())] for label, row in found.items()]
+        yield f"How often a norm finds the {title} flight", header, lines
+    lines = []
+    for label in sets[0]["tau"] if sets else []:
+        tau = np.array([record["tau"][label] for record in sets])
+        error = 1.96 * tau.std(ddof=1) / len(tau) ** 0.5 if len(tau) > 1 else np.nan
+        lines.append(
+            [label, f"{tau.mean():.2f} [{tau.mean() - error:.2f}, {tau.mean() + error:.2f}]"]
+        )
+    header = ["norm of f", f"mean tau with {REFERENCE} of P_c"]
+    yield "Agreement of the orders: Kendall's tau [95 % interval of the mean]", header, lines
+
+
+def terminal_tables(records: Records) -> Iterator[Table]:
+    """The tables for a terminal."""
+    for title, header, lines in tables(records):
+        table = Table(title=title, title_justify="left", title_style="bold")
+        for name in header:
+            table.add_column(name)
+        for line in lines:
+            table.add_row(*line)
+        yield table
+
+
+def markdown(records: Records, procedure: str) -> str:
+    """The tables, what became of the pairs, and the procedure."""
+    parts = ["# Five flights of equal time, many times", "", *(f"- {n}" for n in notes(records))]
+    for title, header, lines in tables(records):
+        parts += ["", f"## {title}", "", _row(header), _row(["---"] * len(header))]
+        parts += [_row(line) for line in lines]
+    return "\n".join([*parts, "", "## Procedure", "", procedure.strip(), ""])
+
+
+def _row(cells: Sequence[str]) -> str:
+    return "| " + " | ".join(cells) + " |"
+
+
+def draw_hits(records: Records, path: Path) -> None:
+    """Draw how often each norm finds the safest and the riskiest flight, with intervals."""
+    from matplotlib.figure import Figure
+
+    sets = judged(records)
+    figure = Figure((9.0, 3.6), layout="constrained")
+    axes = figure.subplots(1, 2, sharey=True)
+    for axis, (title, end) in zip(axes, (("safest", 0), ("riskiest", -1)), strict=True):
+        shares = {label: row[REFERENCE] for label, row in hits(sets, end).items()}
+        middle = [100.0 * s.count / max(s.total, 1) for s in shares.values()]
+        low = [m - 100.0 * s.low for m, s in zip(middle, shares.values(), strict=True)]
+        high = [100.0 * s.high - m for m, s in zip(middle, shares.values(), strict=True)]
+        axis.bar(list(shares), middle, color="#4477aa", width=0.6)
+        axis.errorbar(list(shares), middle, [low, high], fmt="none", color="black", capsize=4)
+        axis.axhline(20.0, color="grey", linestyle=":", linewidth=1.0)
+        axis.set_title(f"finds the {title} by {REFERENCE} of $P_c$", fontsize=10)
+        axis.set_ylim(0.0, 100.0)
+    axes[0].set_ylabel("share of sets [%]; dotted: chance")
+    figure.suptitle(f"{len(sets)} sets of five flights, 95 % intervals", fontsize=11)
+    figure.savefig(path, dpi=150)
