@@ -6,19 +6,27 @@ import csv
 import math
 import zipfile
 from collections.abc import Iterator, Mapping
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from ompl_risk._arrays import FloatArray, as_floats
+from ompl_risk._columns import (
+    HELICOPTER,
+    ORIENTATION,
+    POSITION,
+    TUM,
+    VELOCITY,
+    control_columns,
+    expected_columns,
+    is_control,
+    is_known,
+)
 from ompl_risk.errors import ArgumentError, FileError
 from ompl_risk.trajectory import UNIT_TOLERANCE, Trajectory
 
-POSITION = ("t", "x", "y", "z")
-ORIENTATION = ("qx", "qy", "qz", "qw")
-VELOCITY = ("vx", "vy", "vz")
-TUM = (*POSITION, *ORIENTATION)
 FORMATS = (
     ".csv (header t,x,y,z), .tum or .txt (timestamp tx ty tz qx qy qz qw), .npz (t, positions)"
 )
@@ -30,10 +38,12 @@ def read_trajectory(path: str | Path, *, name: str | None = None) -> Trajectory:
     """Read a trajectory; the suffix of the file says how.
 
     * `.csv`: a header line with the columns t,x,y,z [s, m], in any order, and optionally
-      qx,qy,qz,qw and vx,vy,vz [m/s]; other columns are ignored.
+      qx,qy,qz,qw, vx,vy,vz [m/s] and controls, which are either u_c,u_psi,gamma_p,gamma_r or
+      u1,u2 and so on; other columns are ignored. Where the controls of the last line, and only
+      there, are empty, they are held over the intervals: n - 1 controls for n times.
     * `.tum`, `.txt`: eight numbers a line, timestamp tx ty tz qx qy qz qw, by white space.
-    * `.npz`: arrays t (n,), positions (n, 3), and optionally orientations (n, 4) and
-      velocities (n, 3).
+    * `.npz`: arrays t (n,), positions (n, 3), and optionally orientations (n, 4), velocities
+      (n, 3) and controls (n, m) (samples) or (n - 1, m) (held).
 
     In text, empty lines and lines that start with # are skipped. Times are kept as they are.
     Quaternions within 1e-2 of unit norm are normalised, as files round them.
@@ -63,39 +73,53 @@ def read_trajectory(path: str | Path, *, name: str | None = None) -> Trajectory:
 def write_csv(
     path: str | Path, trajectory: Trajectory, columns: Mapping[str, ArrayLike] | None = None
 ) -> None:
-    """Write t,x,y,z, then qx,qy,qz,qw and vx,vy,vz where known, then extra columns.
+    """Write t,x,y,z, then qx,qy,qz,qw, vx,vy,vz and controls where known, then extra columns.
 
-    Every number is written so that reading it back gives the same float. Controls and the name
-    are not written.
+    Every number is written so that reading it back gives the same float. Four controls are
+    u_c [N], u_psi [N], gamma_p and gamma_r [rad], the helicopter's; others are u1, u2 and so on.
+    Controls held over the intervals stand in the line in which their interval begins, and are
+    empty in the last line: none is in force after it. The name is not written.
 
     Args:
         path: the file to write; its folder must exist.
         trajectory: what to write.
-        columns: further columns by name, each of shape (n,), such as {"d": d, "f": f}.
+        columns: further columns by name, each of shape (n,), such as {"d": d, "f": f}, or the
+            angular velocities {"wx": ..., "wy": ..., "wz": ...}; a reader ignores them.
 
     Raises:
         ArgumentError: a column of another length, or a name that is taken or is no word.
         FileError: the file cannot be written.
     """
-    table: dict[str, FloatArray] = {}
-    table.update(zip(POSITION, [trajectory.t, *trajectory.positions.T], strict=True))
-    if trajectory.orientations is not None:
-        table.update(zip(ORIENTATION, trajectory.orientations.T, strict=True))
-    if trajectory.velocities is not None:
-        table.update(zip(VELOCITY, trajectory.velocities.T, strict=True))
+    table = _own_columns(trajectory)
     for name, values in (columns or {}).items():
-        if name in (*TUM, *VELOCITY) or not name.isidentifier():
+        if is_known(name) or not name.isidentifier():
             raise ArgumentError("columns", name, "a word that is not a column of its own yet")
         column = as_floats(f"columns[{name!r}]", values)
         if column.shape != trajectory.t.shape:
             raise ArgumentError(f"columns[{name!r}].shape", column.shape, f"{trajectory.t.shape}")
         table[name] = column
-    rows = zip(*(column.tolist() for column in table.values()), strict=True)
-    lines = [",".join(table), *(",".join(map(repr, row)) for row in rows), ""]
+    cells = zip_longest(*(map(repr, column.tolist()) for column in table.values()), fillvalue="")
+    lines = [",".join(table), *map(",".join, cells), ""]
     try:
         Path(path).write_text("\n".join(lines), encoding="utf-8")
     except OSError as error:
         raise FileError(path, error.strerror or str(error)) from None
+
+
+def _own_columns(trajectory: Trajectory) -> dict[str, FloatArray]:
+    """The trajectory's columns by name; those of held controls are one shorter than the others."""
+    groups = [
+        (POSITION[1:], trajectory.positions),
+        (ORIENTATION, trajectory.orientations),
+        (VELOCITY, trajectory.velocities),
+    ]
+    if trajectory.controls is not None:
+        groups.append((control_columns(trajectory.controls.shape[1]), trajectory.controls))
+    table = {"t": trajectory.t}
+    for names, values in groups:
+        if values is not None:
+            table.update(zip(names, values.T, strict=True))
+    return table
 
 
 def _read_csv(path: Path, name: str) -> Trajectory:
@@ -108,17 +132,19 @@ def _read_csv(path: Path, name: str) -> Trajectory:
 
 def _columns_of(path: Path, line: int, header: list[str]) -> tuple[str, ...]:
     """The columns that make up the trajectory, after checking that the header has them."""
-    expected = "expected a header of t,x,y,z and optionally qx,qy,qz,qw and vx,vy,vz, by commas"
+    expected = (
+        "expected a header of t,x,y,z and optionally qx,qy,qz,qw, vx,vy,vz and controls "
+        "(u_c,u_psi,gamma_p,gamma_r, or u1,u2 and so on), by commas"
+    )
     doubled = sorted({c for c in header if header.count(c) > 1})
     if doubled:
         raise FileError(path, f"line {line}: columns {', '.join(doubled)} stand twice", expected)
-    known = POSITION
-    for group in (ORIENTATION, VELOCITY):
-        if any(column in header for column in group):
-            known += group
+    known = expected_columns(header)
     missing = [column for column in known if column not in header]
     if missing:
         raise FileError(path, f"line {line}: no column {', '.join(missing)}", expected)
+    if HELICOPTER[0] in known and "u1" in known:
+        raise FileError(path, f"line {line}: both u_c and u1", "controls have one set of names")
     return known
 
 
@@ -138,17 +164,29 @@ def _lines(path: Path) -> Iterator[tuple[int, str]]:
 def _numbers(
     path: Path, rows: Iterator[tuple[int, list[str]]], header: list[str], known: tuple[str, ...]
 ) -> FloatArray:
-    """The cells of the known columns, shape (n, columns); times are checked to increase."""
+    """The cells of the known columns, shape (n, columns); times are checked to increase.
+
+    Controls that are empty in the last line are NaN there.
+    """
     where = [header.index(column) for column in known]
+    controls = [header.index(column) for column in known if is_control(column)]
     table: list[list[float]] = []
+    ended = 0  # the line without controls, which must be the last
     for line, cells in rows:
+        if ended:
+            raise FileError(path, f"line {ended}: no controls", "only the last line may lack them")
         if len(cells) != len(header):
             raise FileError(
                 path,
                 f"line {line}: {len(cells)} values",
                 f"expected {len(header)}: {', '.join(header)}",
             )
-        row = [_number(path, line, header[i], cells[i]) for i in where]
+        if controls and not any(cells[i].strip() for i in controls):
+            ended = line
+        row = [
+            math.nan if ended and i in controls else _number(path, line, header[i], cells[i])
+            for i in where
+        ]
         if table and row[0] <= table[-1][0]:
             raise FileError(
                 path,
@@ -175,20 +213,27 @@ def _build(path: Path, name: str, known: tuple[str, ...], table: FloatArray) -> 
     column = dict(zip(known, table.T, strict=True))
 
     def group(names: tuple[str, ...]) -> FloatArray | None:
-        return np.stack([column[n] for n in names], axis=1) if names[0] in column else None
+        found = [column[n] for n in names if n in column]
+        return np.stack(found, axis=1) if found else None
 
     orientations, velocities = group(ORIENTATION), group(VELOCITY)
+    controls = group(tuple(filter(is_control, known)))
+    if controls is not None and np.isnan(controls[-1]).all():
+        controls = controls[:-1]
     return Trajectory(
         table[:, 0],
         table[:, 1:4],
         name,
         orientations=None if orientations is None else _normalised(path, orientations),
         velocities=velocities,
+        controls=controls,
     )
 
 
 def _read_npz(path: Path, name: str) -> Trajectory:
-    expected = "expected arrays t (n,), positions (n, 3), optionally orientations, velocities"
+    expected = (
+        "expected arrays t (n,), positions (n, 3), optionally orientations, velocities, controls"
+    )
     try:
         with np.load(path, allow_pickle=False) as file:
             arrays = {key: file[key] for key in file.files}
@@ -208,6 +253,7 @@ def _read_npz(path: Path, name: str) -> Trajectory:
         name,
         orientations=orientations,
         velocities=arrays.get("velocities"),
+        controls=arrays.get("controls"),
     )
 
 

@@ -17,23 +17,24 @@ from ompl_risk._kernels.height_field import HeightField, opened
 from ompl_risk._kernels.jit import entry, kernel
 from ompl_risk._kernels.nearest import STACK, inside, signed_distance
 from ompl_risk._kernels.pointers import float64_at, int64_at
+from ompl_risk._kernels.shares import (
+    FAR,
+    POWER,
+    RADIUS,
+    SPEED,
+    TAU,
+    TOLERANCE,
+    WEIGHT,
+    avoid,
+    settled,
+)
 
 CONTACT = 1e-3
 """Clearance [m] below which a motion counts as touching: keeps the number of steps finite."""
 
-COARSE = 0.25
-"""Longest piece of a motion, in clearances at its ends."""
-
-FINE = 0.5
-"""Pieces shorter than so many clearances times the tolerance are not halved again: this ends the
-halving at kinks of f, where it converges only in proportion to the length."""
-
 FIRST = 0.382
 """Where a motion is split before the halving begins: at no simple fraction, so that samples do not
 keep step with regular ground."""
-
-BLIND = 0.1
-"""Longest piece with no risk at its ends and middle, but perhaps some between, in clearances."""
 
 NEAR = 0.01
 """Clearance below which the maximum of f is found to an absolute accuracy, in units of d0: level
@@ -41,9 +42,6 @@ flight a hand's breadth over flat ground would else take millions of samples."""
 
 DEPTH = 96
 """Pieces that can wait while their left neighbours are halved."""
-
-# places in the parameters
-RADIUS, SPEED, FAR, POWER, TAU, TOLERANCE, WEIGHT = range(7)
 
 
 class Motion(NamedTuple):
@@ -81,7 +79,8 @@ def opened_motion(handle):
 
 
 @kernel
-def _clearance(motion, bound, x, y, z):
+def clearance_at(motion, bound, x, y, z):
+    """Clearance d [m] at a position, at most ``bound``; ``motion`` may be a ``Flight``."""
     radius = motion.given[RADIUS]
     d = signed_distance(motion.field, x, y, z, bound + radius, motion.stack, motion.keys)
     return d - radius
@@ -91,14 +90,14 @@ def _clearance(motion, bound, x, y, z):
 def clearance(handle):
     """Clearance d [m] at state a."""
     motion = opened_motion(handle)
-    return _clearance(motion, math.inf, motion.a[0], motion.a[1], motion.a[2])
+    return clearance_at(motion, math.inf, motion.a[0], motion.a[1], motion.a[2])
 
 
 @entry
 def is_free(handle):
     """Whether state a is free: d > 0."""
     motion = opened_motion(handle)
-    return _clearance(motion, CONTACT, motion.a[0], motion.a[1], motion.a[2]) > 0.0
+    return clearance_at(motion, CONTACT, motion.a[0], motion.a[1], motion.a[2]) > 0.0
 
 
 @entry
@@ -119,29 +118,12 @@ def is_free_between(motion):
     while True:
         t = s / length if length > 0.0 else 0.0
         x, y, z = a[0] + t * ux, a[1] + t * uy, a[2] + t * uz
-        d = _clearance(motion, length - s + 2.0 * CONTACT, x, y, z)
+        d = clearance_at(motion, length - s + 2.0 * CONTACT, x, y, z)
         if d <= CONTACT:
             return False
         s += d - 0.5 * CONTACT
         if s >= length:
-            return _clearance(motion, 2.0 * CONTACT, b[0], b[1], b[2]) > CONTACT
-
-
-@kernel
-def _avoid(d, far):
-    """f(d), eq. (3)."""
-    return 1.0 / d - 1.0 / far if d < far else 0.0
-
-
-@kernel
-def _piece(f0, f1, dt, p, tau):
-    """Integral of f^p + tau^2 f'^2 for f linear over dt; exact for p = 1 and 2, else Simpson."""
-    if p == 2.0:
-        rise = f1 - f0
-        return dt * (f0 * f0 + f0 * f1 + f1 * f1) / 3.0 + tau * tau * rise * rise / dt
-    if p == 1.0:
-        return 0.5 * dt * (f0 + f1)
-    return dt * (f0**p + 4.0 * (0.5 * (f0 + f1)) ** p + f1**p) / 6.0
+            return clearance_at(motion, 2.0 * CONTACT, b[0], b[1], b[2]) > CONTACT
 
 
 @entry
@@ -172,19 +154,17 @@ def _motion_power(motion, length):
     missed, not so collisions.
     """
     a, b, given, pieces = motion.a, motion.b, motion.given, motion.pieces
-    speed, far, p = given[SPEED], given[FAR], given[POWER]
-    tau, tolerance = given[TAU], given[TOLERANCE]
-    negligible = 1e-3 * far**-p
+    speed, far = given[SPEED], given[FAR]
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     bound = far + length
-    d0 = _clearance(motion, bound, a[0], a[1], a[2])
-    d1 = _clearance(motion, bound, b[0], b[1], b[2])
+    d0 = clearance_at(motion, bound, a[0], a[1], a[2])
+    d1 = clearance_at(motion, bound, b[0], b[1], b[2])
     if d0 <= CONTACT or d1 <= CONTACT:
         return math.inf
     s0, total = 0.0, 0.0
     pieces[0, 0], pieces[0, 1] = length, d1
     x, y, z = a[0] + FIRST * ux, a[1] + FIRST * uy, a[2] + FIRST * uz
-    pieces[1, 0], pieces[1, 1] = FIRST * length, _clearance(motion, bound, x, y, z)
+    pieces[1, 0], pieces[1, 1] = FIRST * length, clearance_at(motion, bound, x, y, z)
     if pieces[1, 1] <= CONTACT:
         return math.inf
     top = 2
@@ -197,24 +177,15 @@ def _motion_power(motion, length):
             continue
         s = 0.5 * (s0 + s1)
         t = s / length if length > 0.0 else 0.0
-        d = _clearance(motion, far + h, a[0] + t * ux, a[1] + t * uy, a[2] + t * uz)
+        d = clearance_at(motion, far + h, a[0] + t * ux, a[1] + t * uy, a[2] + t * uz)
         if d <= CONTACT:
             return math.inf
-        near = min(d0, d, d1, far)
-        if h <= COARSE * near:
-            f0, f, f1 = _avoid(d0, far), _avoid(d, far), _avoid(d1, far)
-            dt = h / speed
-            if dt <= 0.0:
-                return total
-            once = _piece(f0, f1, dt, p, tau)
-            twice = _piece(f0, f, 0.5 * dt, p, tau) + _piece(f, f1, 0.5 * dt, p, tau)
-            change = twice - once
-            exact = abs(change) <= tolerance * (twice + negligible * dt)
-            if h <= FINE * tolerance * near or (exact and (twice > 0.0 or h <= BLIND * near)):
-                total += max(twice + change / 3.0, 0.0)
-                s0, d0 = s1, d1
-                top -= 1
-                continue
+        share = settled(d0, d, d1, h, h / speed, given)
+        if share >= 0.0:
+            total += share
+            s0, d0 = s1, d1
+            top -= 1
+            continue
         pieces[top, 0], pieces[top, 1] = s, d
         top += 1
     return total
@@ -227,8 +198,8 @@ def _motion_maximum(motion, length):
     far, tolerance = given[FAR], given[TOLERANCE]
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     bound = far + length
-    d0 = _clearance(motion, bound, a[0], a[1], a[2])
-    d1 = _clearance(motion, bound, b[0], b[1], b[2])
+    d0 = clearance_at(motion, bound, a[0], a[1], a[2])
+    d1 = clearance_at(motion, bound, b[0], b[1], b[2])
     least = min(d0, d1)
     s0 = 0.0
     pieces[0, 0], pieces[0, 1] = length, d1
@@ -243,11 +214,11 @@ def _motion_maximum(motion, length):
             top -= 1
             continue
         t = 0.5 * (s0 + s1) / length
-        d = _clearance(motion, bound, a[0] + t * ux, a[1] + t * uy, a[2] + t * uz)
+        d = clearance_at(motion, bound, a[0] + t * ux, a[1] + t * uy, a[2] + t * uz)
         least = min(least, d)
         pieces[top, 0], pieces[top, 1] = 0.5 * (s0 + s1), d
         top += 1
-    return _avoid(least, far)
+    return avoid(least, far)
 
 
 @kernel
@@ -263,7 +234,7 @@ def _least_power(d, s, far, speed, p):
         return max(1.0 / d - 1.0 / x - 2.0 * math.log(x / d) / far + s / (far * far), 0.0) / speed
     total = 0.0
     for k in range(1, 9):  # f falls: right ends lie below
-        total += _avoid(d + s * k / 8.0, far) ** p
+        total += avoid(d + s * k / 8.0, far) ** p
     return total * s / 8.0 / speed
 
 
@@ -278,8 +249,8 @@ def heuristic(handle):
     a, b, given = motion.a, motion.b, motion.given
     far = given[FAR]
     length = math.sqrt((b[0] - a[0]) ** 2 + (b[1] - a[1]) ** 2 + (b[2] - a[2]) ** 2)
-    d0 = _clearance(motion, far, a[0], a[1], a[2])
-    d1 = _clearance(motion, far, b[0], b[1], b[2])
+    d0 = clearance_at(motion, far, a[0], a[1], a[2])
+    d1 = clearance_at(motion, far, b[0], b[1], b[2])
     return bound_between(length, d0, d1, given)
 
 
@@ -290,7 +261,7 @@ def bound_between(length, d0, d1, given):
     least = given[WEIGHT] * length / speed
     if d0 <= CONTACT or d1 <= CONTACT:
         return least
-    f0, f1 = _avoid(d0, far), _avoid(d1, far)
+    f0, f1 = avoid(d0, far), avoid(d1, far)
     if math.isinf(p):
         return max(f0, f1)
     split = min(max(0.5 * (length + d1 - d0), 0.0), length)

@@ -9,6 +9,7 @@ import numpy as np
 from ompl import base as ob
 from ompl import control as oc
 from ompl import geometric as og
+from scipy.spatial.transform import Rotation
 
 from ompl_risk.bridge.states import ALLOWED
 from ompl_risk.errors import ArgumentError
@@ -22,7 +23,8 @@ def read_path(path: Any, speed: float | None = None, name: str = "") -> Trajecto
     """The trajectory of an OMPL path; ``Trajectory.from_path`` calls this.
 
     A ``PathGeometric`` is flown at constant speed. A ``PathControl`` has its own time; it is
-    propagated at the step size of its space information, and held controls come along.
+    propagated at the step size of its space information, and held controls come along; of states
+    of SE(3) x R^6, as the helicopter's, also velocities in the world.
 
     Args:
         path: og.PathGeometric or oc.PathControl over R^3, SE(3), or a compound space that starts
@@ -108,7 +110,9 @@ def _read_controlled(path: oc.PathControl, name: str) -> Trajectory:
     steps = np.array(fine.getControlDurations(), dtype=np.float64)
     t = np.concatenate([[0.0], np.cumsum(steps)])
     kept = np.append(True, steps > 0.0)
-    width = len(repr(fine).split("\n", 1)[0].split()) - _columns(path) - 1
+    columns = _columns(path)
+    velocities = _read_velocities(fine, t, positions, orientations) if columns == 13 else None
+    width = len(repr(fine).split("\n", 1)[0].split()) - columns - 1
     controls = None
     if width > 0:
         held: list[Any] = fine.getControls()
@@ -119,8 +123,33 @@ def _read_controlled(path: oc.PathControl, name: str) -> Trajectory:
         positions[kept],
         name,
         orientations=None if orientations is None else orientations[kept],
+        velocities=None if velocities is None else velocities[kept],
         controls=controls,
     )
+
+
+def _read_velocities(
+    path: Any, t: np.ndarray, positions: np.ndarray, orientations: np.ndarray | None
+) -> np.ndarray | None:
+    """Velocities in the world (n, 3) [m/s], of states of SE(3) x R^6 with those in the body first.
+
+    A state does not tell what its numbers mean, but the flight does: they are velocities if, turned
+    into the world, they lead from each position to the next.
+    """
+    states = path.getStates()
+    parts = states[0] if isinstance(states[0], ob.CompoundState) else (None, None)
+    if orientations is None or not isinstance(parts[0], ob.SE3State):
+        return None
+    if not isinstance(parts[1], ob.RealVectorStateType):
+        return None
+    body = np.array([state[1][0:3] for state in states], dtype=np.float64)
+    found = Rotation.from_quat(orientations).apply(body)
+    dt = np.diff(t)
+    beside = np.diff(positions, axis=0) - 0.5 * dt[:, None] * (found[1:] + found[:-1])
+    speeds = np.linalg.norm(found, axis=1)
+    changes = np.linalg.norm(np.diff(found, axis=0), axis=1)
+    allowed = dt * (0.01 * (speeds[1:] + speeds[:-1]) + 0.1 * changes) + 1e-9
+    return found if (np.linalg.norm(beside, axis=1) <= allowed).all() else None
 
 
 def _columns(path: Any) -> int:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import KW_ONLY, dataclass
+from dataclasses import KW_ONLY, asdict, dataclass
 from functools import cached_property
 
 import numpy as np
@@ -187,6 +187,24 @@ class Limits:
         }
         for name, value in rest.items():
             object.__setattr__(self, name, positive(name, value))
+
+    def scaled(self, share: float) -> Limits:
+        """The same with a share of every range: of the lift above and below 1.
+
+        Args:
+            share: above 0.
+
+        Raises:
+            ArgumentError: a share that is not positive, or one that makes a limit impossible.
+        """
+        share = positive("share", share)
+        low, high = self.lift
+        rest = asdict(self)
+        del rest["lift"]
+        return Limits(
+            lift=(1.0 - share * (1.0 - low), 1.0 + share * (high - 1.0)),
+            **{name: share * value for name, value in rest.items()},
+        )
 
     def controls(self, helicopter: Helicopter) -> tuple[FloatArray, FloatArray]:
         """Least and greatest u_c [N], u_psi [N], gamma_p and gamma_r [rad], shapes (4,)."""

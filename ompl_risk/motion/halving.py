@@ -9,19 +9,37 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import NamedTuple, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray
-from ompl_risk._kernels.motion import BLIND, COARSE, CONTACT, FINE, FIRST, NEAR
+from ompl_risk._kernels.motion import CONTACT, FIRST, NEAR
+from ompl_risk._kernels.shares import BLIND, COARSE, FINE
 from ompl_risk.motion.base import Risk
-from ompl_risk.motion.lines import BLOCK, Lines
+from ompl_risk.motion.lines import BLOCK
 from ompl_risk.norms.lp import mean_power
 
 SAMPLES = np.array([0.0, FIRST, 1.0])
 """Where motions are sampled before the halving begins."""
+
+
+class Motions(Protocol):
+    """Many motions, as ``Lines``: what halving needs to know of them.
+
+    Attributes:
+        travel: how far each can take any point of the body [m], shape (n,); so far also between
+            any two fractions of it, times their difference.
+    """
+
+    travel: FloatArray
+
+    def __len__(self) -> int: ...
+
+    def clearances(self, k: NDArray[np.intp], s: FloatArray) -> FloatArray:
+        """Clearances [m] at fractions s of the motions k, 0 in collision, shape (m,)."""
+        ...
 
 
 class Pieces(NamedTuple):
@@ -44,7 +62,7 @@ class Pieces(NamedTuple):
         k, s0, s1, d0, d1 = self
         return Pieces(k[keep], s0[keep], s1[keep], d0[keep], d1[keep])
 
-    def lengths(self, lines: Lines) -> FloatArray:
+    def lengths(self, lines: Motions) -> FloatArray:
         """Distances travelled on them [m]."""
         return (self.s1 - self.s0) * lines.travel[self.k]
 
@@ -65,7 +83,7 @@ class Pieces(NamedTuple):
         )
 
 
-def are_free(lines: Lines) -> NDArray[np.bool_]:
+def are_free(lines: Motions) -> NDArray[np.bool_]:
     """Whether every state of the motions is free, for certain; shape (n,)."""
     least, pieces = _begun(lines)
     free = least > CONTACT
@@ -83,7 +101,7 @@ def are_free(lines: Lines) -> NDArray[np.bool_]:
     return free
 
 
-def maxima(lines: Lines, risk: Risk) -> FloatArray:
+def maxima(lines: Motions, risk: Risk) -> FloatArray:
     """Maxima of f along the motions, to the tolerance; inf in collision, shape (n,)."""
     far, tolerance = risk.avoidance.d0, risk.tolerance
     least, pieces = _begun(lines)
@@ -105,14 +123,20 @@ def maxima(lines: Lines, risk: Risk) -> FloatArray:
     return risk.avoidance(least)
 
 
-def powers(lines: Lines, risk: Risk) -> FloatArray:
+def powers(lines: Motions, risk: Risk, seconds: FloatArray | None = None) -> FloatArray:
     """Integrals of f^p + tau^2 f'^2 along the motions; inf in collision, shape (n,).
 
     A piece is accepted once halving it changes its share by less than the tolerance; the
     difference also extrapolates it. Ripples of f that are short against the clearance can be
     missed, not so collisions.
+
+    Args:
+        lines: the motions.
+        risk: how risk is counted.
+        seconds: their durations [s], shape (n,); None: those at ``risk.speed``.
     """
     far, n = risk.avoidance.d0, len(lines)
+    seconds = lines.travel / risk.speed if seconds is None else seconds
     least, pieces = _begun(lines)
     total = np.where(least > CONTACT, 0.0, math.inf)
 
@@ -128,7 +152,8 @@ def powers(lines: Lines, risk: Risk) -> FloatArray:
             total[pieces.k[d <= CONTACT]] = math.inf
             flown = total[pieces.k] < math.inf
             pieces, h, d = pieces.where(flown), h[flown], d[flown]
-        done, shares = _settled(pieces, h, d, risk)
+        dt = (pieces.s1 - pieces.s0) * seconds[pieces.k]
+        done, shares = _settled(pieces, h, dt, d, risk)
         total += np.bincount(pieces.k[done], shares[done], minlength=n)
         return pieces.where(~done).halved(d[~done])
 
@@ -137,19 +162,19 @@ def powers(lines: Lines, risk: Risk) -> FloatArray:
 
 
 def _settled(
-    pieces: Pieces, h: FloatArray, d: FloatArray, risk: Risk
+    pieces: Pieces, h: FloatArray, dt: FloatArray, d: FloatArray, risk: Risk
 ) -> tuple[NDArray[np.bool_], FloatArray]:
     """Which pieces need not be halved again, and the shares of all.
 
     Args:
         pieces: the pieces.
         h: their lengths [m].
+        dt: their durations [s].
         d: clearances in their middles [m].
         risk: how risk is counted.
     """
     near = np.minimum(np.minimum(pieces.d0, pieces.d1), np.minimum(d, risk.avoidance.d0))
     f0, f, f1 = risk.avoidance(np.stack([pieces.d0, d, pieces.d1]))
-    dt = h / risk.speed
     once = _integrals(f0, f1, dt, risk)
     twice = _integrals(f0, f, 0.5 * dt, risk) + _integrals(f, f1, 0.5 * dt, risk)
     change, negligible = twice - once, 1e-3 * risk.avoidance.d0**-risk.exponent
@@ -172,7 +197,7 @@ def _integrals(f0: FloatArray, f1: FloatArray, dt: FloatArray, risk: Risk) -> Fl
     return integrals
 
 
-def _begun(lines: Lines) -> tuple[FloatArray, Pieces]:
+def _begun(lines: Motions) -> tuple[FloatArray, Pieces]:
     """The least clearances found [m], shape (n,), and the motions in two pieces each.
 
     A piece that has an end in contact may be among them.

@@ -18,11 +18,11 @@ LEAST = 512
 """Motions that are worth a thread."""
 
 
-def _given(clearance: TerrainClearance, risk: Risk) -> FloatArray:
-    """The parameters of the kernels, in their order."""
+def kernel_parameters(radius: float, risk: Risk) -> FloatArray:
+    """The parameters of the kernels, in their order; ``radius`` [m] is the vehicle's."""
     return np.array(
         [
-            clearance.radius,
+            radius,
             risk.speed,
             risk.avoidance.d0,
             risk.exponent,
@@ -45,7 +45,7 @@ class TerrainMotion(MotionModel):
     def __init__(self, clearance: TerrainClearance, risk: Risk, width: int = 3) -> None:
         self.a, self.b = np.zeros(width), np.zeros(width)
         self._clearance = clearance  # keeps the arrays behind the handle alive
-        self._given = _given(clearance, risk)
+        self._given = kernel_parameters(clearance.radius, risk)
         self._work = (*nearest.workspace(), np.empty((motion.DEPTH, 2)))
         buffers = (*self._work, self.a, self.b, self._given)
         self._handle = np.concatenate(
@@ -94,7 +94,7 @@ class TerrainBatch(MotionBatch):
         self, clearance: TerrainClearance, risk: Risk, *, threads: int | None = None
     ) -> None:
         self._clearance, self._risk = clearance, risk
-        self._given = _given(clearance, risk)
+        self._given = kernel_parameters(clearance.radius, risk)
         self._threads = thread_count(threads)
 
     def clearances(self, states: FloatArray) -> FloatArray:

@@ -9,6 +9,7 @@ import numpy as np
 from ompl import base as ob
 
 from ompl_risk._arrays import FloatArray
+from ompl_risk.bridge.controls import to_path_control
 from ompl_risk.bridge.states import StateReader
 from ompl_risk.motion.kinodynamic import KinodynamicSteering
 from ompl_risk.planners.roadmap.publishing import to_path
@@ -70,8 +71,6 @@ class VertexTranslation(Translation):
 
     def path(self, route: Route, roadmap: Roadmap) -> Any:
         """The flight along a route: states, and inputs with their durations."""
-        from ompl_risk.bridge.controls import to_path_control
-
         flight = self._steering.flight(roadmap.states[route.vertices])
         return to_path_control(self._si, flight)
 

@@ -2,7 +2,7 @@ import math
 
 import numpy as np
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ompl_risk.errors import ArgumentError, FileError
@@ -85,6 +85,54 @@ def test_written_csv_reads_back_to_the_last_bit(tmp_path_factory, t, numbers):
     assert lines[1].endswith(",0.0,inf")
 
 
+NAMES = {1: "u1", 2: "u1,u2", 4: "u_c,u_psi,gamma_p,gamma_r", 5: "u1,u2,u3,u4,u5"}
+
+
+@pytest.mark.parametrize("count", NAMES)
+@pytest.mark.parametrize("held", [True, False])
+@settings(max_examples=20)
+@given(st.lists(number, min_size=15, max_size=15))
+def test_controls_read_back_to_the_last_bit(tmp_path_factory, count, held, numbers):
+    n = 3
+    controls = np.array(numbers)[: (n - held) * count].reshape(n - held, count)
+    original = Trajectory(np.arange(3.0), np.zeros((n, 3)), "A", controls=controls)
+    path = tmp_path_factory.mktemp("csv") / "A.csv"
+    write_csv(path, original, {"wx": np.arange(n), "d": np.arange(n)})
+    again = read_trajectory(path)
+    assert again.controls.shape == controls.shape
+    assert again.controls.tobytes() == original.controls.tobytes()
+    lines = path.read_text().splitlines()
+    assert lines[0] == f"t,x,y,z,{NAMES[count]},wx,d"
+    assert lines[-1].endswith("," * (count + 1) + "2.0,2.0") == held
+    assert again.orientations is None
+
+
+def test_a_whole_flight_reads_back(tmp_path):
+    rng = np.random.default_rng(4)
+    q = rng.normal(size=(5, 4))
+    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    flight = Trajectory(
+        0.02 * np.arange(5),
+        rng.normal(size=(5, 3)),
+        orientations=q,
+        velocities=rng.normal(size=(5, 3)),
+        controls=rng.normal(size=(4, 4)),
+    )
+    write_csv(tmp_path / "a.csv", flight)
+    fields = ("t", "positions", "orientations", "velocities", "controls")
+    np.savez(tmp_path / "a.npz", **{field: getattr(flight, field) for field in fields})
+    for name in ("a.csv", "a.npz"):
+        again = read_trajectory(tmp_path / name)
+        for field in fields:
+            np.testing.assert_array_equal(getattr(again, field), getattr(flight, field))
+
+
+def test_columns_of_controls_in_any_order_beside_others(write):
+    text = "u2,t,note,x,y,z,u1,u0,u01\n2,0,a,0,0,0,1,7,7\n4,1,b,0,0,0,3,7,7\n ,2,c,0,0,0,,7,7\n"
+    controls = read_trajectory(write("a.csv", text)).controls
+    np.testing.assert_array_equal(controls, [[1, 2], [3, 4]])  # held: n - 1 of them
+
+
 HEADER = "t,x,y,z\n"
 
 
@@ -97,6 +145,25 @@ HEADER = "t,x,y,z\n"
         ("a.csv", "#\nt,x,y,z,qx,qw\n", "line 2: no column qy, qz"),
         ("a.csv", "t,x,y,z,vx\n", "line 1: no column vy, vz"),
         ("a.csv", "t,x,y,z,x\n", "line 1: columns x stand twice"),
+        ("a.csv", "t,x,y,z,u_c,gamma_p\n", "line 1: no column u_psi, gamma_r; expected"),
+        ("a.csv", "t,x,y,z,u1,u3\n", "line 1: no column u2"),
+        ("a.csv", "t,x,y,z,u999999999\n", "line 1: no column u1;"),
+        (
+            "a.csv",
+            "t,x,y,z,u_c,u_psi,gamma_p,gamma_r,u1\n",
+            "line 1: both u_c and u1; controls have one set of names",
+        ),
+        ("a.csv", "t,x,y,z,u1\n0,0,0,0,nan\n", "line 2: u1 = nan; must be finite"),
+        (
+            "a.csv",
+            "t,x,y,z,u1\n0,0,0,0,\n#\n1,0,0,0,1\n",
+            "line 2: no controls; only the last line may lack them",
+        ),
+        (
+            "a.csv",
+            "t,x,y,z,u1,u2\n0,0,0,0,1,2\n1,0,0,0,,2\n",
+            "line 3: u1 = ''; must be a number",
+        ),
         ("a.csv", HEADER + "0,0,0,0\n1,0,up,0\n", "line 3: y = 'up'; must be a number"),
         ("a.csv", HEADER + "0,0,0,0\n1,0,,0\n", "line 3: y = ''; must be a number"),
         ("a.csv", HEADER + "0,0,0,nan\n", "line 2: z = nan; must be finite"),
@@ -153,6 +220,9 @@ def test_npz_files_that_are_refused(tmp_path):
     np.savez(path, t=[0, 1], positions=np.zeros((2, 3)), orientations=np.ones((2, 4)))
     with pytest.raises(FileError, match=r"sample 1: quaternion .* norm 2"):
         read_trajectory(path)
+    np.savez(path, t=[0, 1], positions=np.zeros((2, 3)), controls=np.zeros((3, 4)))
+    with pytest.raises(FileError, match=r"a.npz: controls.shape = \(3, 4\).*\(1, m\)"):
+        read_trajectory(path)
     np.savez(path, t=np.array([{}, {}]), positions=np.zeros((2, 3)))
     with pytest.raises(FileError, match="plain arrays"):
         read_trajectory(path)
@@ -164,7 +234,7 @@ def test_npz_files_that_are_refused(tmp_path):
 
 def test_columns_that_write_csv_refuses(tmp_path):
     trajectory = Trajectory([0, 1], np.zeros((2, 3)))
-    for name in ("x", "qw", "vx", "a,b", ""):
+    for name in ("x", "qw", "vx", "X", "u_c", "gamma_R", "u1", "u12", "a,b", ""):
         with pytest.raises(ArgumentError, match="columns = "):
             write_csv(tmp_path / "a.csv", trajectory, {name: [0, 1]})
     with pytest.raises(ArgumentError, match=r"columns\['d'\].shape = \(3,\): must be \(2,\)"):

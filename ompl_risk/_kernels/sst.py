@@ -1,0 +1,200 @@
+"""Stable sparse RRT: the iterations.
+
+Reference: Li, Littlefield & Bekris, Asymptotically optimal sampling-based kinodynamic planning,
+International Journal of Robotics Research 35(5), 2016, algorithms 5 to 8.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from ompl_risk._kernels.branch import HOLD, WEIGHT, Ground, fly, least_cost
+from ompl_risk._kernels.buckets import MARK, NONE, least_near, write_mark
+from ompl_risk._kernels.draws import between, in_ball, uniform, whole
+from ompl_risk._kernels.flight_checks import HIGH, LOW, SPEED
+from ompl_risk._kernels.height_field import opened
+from ompl_risk._kernels.inner_loop import ACT, HELD, PUSH, REACH, STEEPEST, TOP_RATE
+from ompl_risk._kernels.jit import entry, kernel
+from ompl_risk._kernels.nearest import workspace
+from ompl_risk._kernels.rigid_body import GRAVITY, STATE
+from ompl_risk._kernels.sst_tree import (
+    BEST,
+    BRANCHES,
+    ITERATIONS,
+    PATH,
+    SELECT,
+    STEPS,
+    crown,
+    offer,
+)
+
+# places in the habits
+TO_GOAL, RAW, PUSHED, SHORTEST, LONGEST, MOST_HELD, NEAR_PATH, NEAR, SHOOT = range(9)
+HABITS = 9
+"""Numbers in the habits: share of the samples that are the goal, shares of the acts that are held
+inputs and accelerations, least and most holds of an act, most holds of held inputs."""
+
+MOST_TIMES = 100
+"""Branches in a row that reach for the same at most."""
+
+TRIES = 10
+"""Samples drawn at most for one that can lie on a better path."""
+
+
+class Draw(NamedTuple):
+    """How branches are drawn.
+
+    Attributes:
+        seed: state of the random numbers, shape (1,).
+        habits: see ``HABITS``.
+        low, high: range of the inputs that are held, shapes (4,).
+        starts: of the tree, shape (k, 13).
+    """
+
+    seed: NDArray[np.uint64]
+    habits: NDArray[np.float64]
+    low: NDArray[np.float64]
+    high: NDArray[np.float64]
+    starts: NDArray[np.float64]
+
+
+@kernel
+def _least_total(vehicle, starts, mark):
+    """Lower bound for the cost of a path from a start through a place to the goal."""
+    least = math.inf
+    for k in range(len(starts)):
+        x, y, z = mark[0] - starts[k, 0], mark[1] - starts[k, 1], mark[2] - starts[k, 2]
+        least = min(least, math.sqrt(x * x + y * y + z * z))
+    return vehicle.settings[WEIGHT] * least / vehicle.allowed[SPEED] + least_cost(vehicle, mark)
+
+
+@kernel
+def _sample(draw, tree, vehicle, best, mark):
+    """A state to select near: the goal, or any from which a better path is not ruled out."""
+    seed, allowed = draw.seed, vehicle.allowed
+    if best < math.inf and uniform(seed) < draw.habits[NEAR_PATH]:
+        i = tree.path[whole(seed, 0, tree.counts[PATH] - 1)]
+        x, y, z = in_ball(seed, draw.habits[NEAR])
+        u1, u2, u3 = in_ball(seed, draw.habits[NEAR])
+        for k in range(MARK):
+            mark[k] = tree.marks[i, k]
+        mark[0] += x
+        mark[1] += y
+        mark[2] += z
+        mark[7] += u1
+        mark[8] += u2
+        mark[9] += u3
+        return
+    for _ in range(TRIES):
+        for k in range(3):
+            mark[k] = between(seed, allowed[LOW + k], allowed[HIGH + k])
+        if _least_total(vehicle, draw.starts, mark) < best:
+            break
+    mark[7], mark[8], mark[9] = in_ball(seed, allowed[SPEED])
+    tilt = uniform(seed) * math.atan(vehicle.loop[STEEPEST])
+    heading, aside = between(seed, -math.pi, math.pi), between(seed, -math.pi, math.pi)
+    s, c = math.sin(0.5 * tilt), math.cos(0.5 * tilt)
+    mark[3], mark[4] = s * math.cos(aside), s * math.sin(aside)
+    mark[5], mark[6] = c * math.sin(heading), c * math.cos(heading)
+    rate = vehicle.loop[TOP_RATE]
+    for k in range(10, 13):
+        mark[k] = between(seed, -rate, rate)
+
+
+@kernel
+def _act(draw, vehicle, mark, act):
+    """Draw what to do, and for how many holds."""
+    seed, habits, g = draw.seed, draw.habits, vehicle.given[GRAVITY]
+    kind, longest = uniform(seed), int(habits[LONGEST])
+    if kind < habits[RAW]:
+        act[0] = HELD
+        for k in range(4):
+            act[1 + k] = between(seed, draw.low[k], draw.high[k])
+        longest = min(longest, int(habits[MOST_HELD]))
+    elif kind < habits[RAW] + habits[PUSHED]:
+        act[0] = PUSH
+        act[1], act[2], act[3] = in_ball(seed, vehicle.loop[STEEPEST] * g)
+        act[3] *= 0.5
+    else:
+        act[0] = REACH
+        to_goal = uniform(seed) < habits[TO_GOAL]
+        for k in range(3):
+            act[1 + k] = vehicle.goal[k] if to_goal else mark[k]
+            act[4 + k] = vehicle.goal[3 + k] if to_goal else mark[7 + k]
+        act[7] = between(seed, 0.1 * g, g)
+    return whole(seed, min(int(habits[SHORTEST]), longest), longest)
+
+
+@kernel
+def _at_goal(draw, vehicle, act):
+    """Reach for the goal."""
+    act[0] = REACH
+    for k in range(3):
+        act[1 + k], act[4 + k] = vehicle.goal[k], vehicle.goal[3 + k]
+    act[7] = between(draw.seed, 0.1, 1.0) * vehicle.given[GRAVITY]
+
+
+@kernel
+def _extend(tree, vehicle, ground, i, act, steps, space):
+    """Fly an act from node i, on and on if it reaches for something; the node that is added last.
+
+    What ends in the goal for less than all before becomes the best path.
+    """
+    state, mark, control, nothing, no_states = space
+    counts = tree.counts
+    again = MOST_TIMES if act[0] == REACH else 1
+    for n in range(again):
+        best = tree.cost[counts[BEST]] if counts[BEST] != NONE else math.inf
+        for k in range(len(state)):
+            state[k] = tree.states[i, k]
+        flown, cost, room, reached = fly(
+            vehicle, ground, state, tree.room[i], act, steps, best - tree.cost[i],
+            control, nothing, no_states,
+        )  # fmt: skip
+        counts[STEPS] += flown
+        if flown == 0:
+            return i if n > 0 else NONE
+        counts[BRANCHES] += 1
+        write_mark(state, mark)
+        cost += tree.cost[i]
+        end = offer(tree, state, mark, act, flown, i, cost, room, reached)
+        if end == NONE:
+            return i if n > 0 else NONE
+        i = end
+        if reached:
+            crown(tree, i, vehicle)
+            return i
+    return i
+
+
+@entry
+def grow(tree, vehicle, handle, draw, iterations):
+    """Do so many iterations; whether the best path became better, upon which it returns at once."""
+    stack, keys = workspace()
+    ground = Ground(opened(handle), stack, keys)
+    mark, act, state, control = np.empty(MARK), np.empty(ACT), np.empty(STATE), np.empty(4)
+    space = state, np.empty(MARK), control, np.empty((0, 4)), np.empty((0, STATE))
+    counts, hold = tree.counts, int(vehicle.settings[HOLD])
+    for _ in range(iterations):
+        counts[ITERATIONS] += 1
+        best = tree.cost[counts[BEST]] if counts[BEST] != NONE else math.inf
+        _sample(draw, tree, vehicle, best, mark)
+        i = least_near(tree.nodes, tree.marks, tree.cost, mark, tree.radii[SELECT], tree.weights)
+        if i == NONE:
+            return False
+        act[:] = 0.0
+        steps = hold * _act(draw, vehicle, mark, act)
+        before = counts[BEST]
+        i = _extend(tree, vehicle, ground, i, act, steps, space)
+        if counts[BEST] != before:
+            return True
+        if i != NONE and uniform(draw.seed) < draw.habits[SHOOT]:
+            _at_goal(draw, vehicle, act)
+            _extend(tree, vehicle, ground, i, act, hold*int(draw.habits[LONGEST]), space)
+            if counts[BEST] != before:
+                return True
+    return False

@@ -1,0 +1,35 @@
+"""Memory that OMPL writes states and controls into and that kernels read."""
+
+from __future__ import annotations
+
+import ctypes
+
+import numpy as np
+from numpy.typing import NDArray
+
+_capsule = ctypes.pythonapi.PyCapsule_New
+_capsule.restype = ctypes.py_object
+_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+
+
+class Buffer:
+    """Numbers at a fixed place.
+
+    Args:
+        size: how many.
+
+    Attributes:
+        numbers: shape (size,).
+        address: where they are.
+        capsule: what ``serialize`` and ``deserialize`` of OMPL's spaces take for it.
+    """
+
+    def __init__(self, size: int) -> None:
+        self.numbers = np.zeros(size)
+        self.address = self.numbers.ctypes.data
+        self.capsule = _capsule(self.address, b"nb_handle", None)
+
+
+def table(*addresses: int) -> NDArray[np.int64]:
+    """Addresses as kernels take them; the caller keeps what is behind them alive."""
+    return np.array(addresses, dtype=np.int64)
