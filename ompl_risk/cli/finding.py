@@ -24,6 +24,7 @@ class Found:
         summary: how many were chosen of how many, and why the others were not.
         separation: least Frechet distance between two of them [m].
         facts: what else the provenance should tell.
+        flights: how a vehicle with dynamics flies them, in the same order; none for a point.
     """
 
     trajectories: Sequence[Trajectory]
@@ -31,6 +32,7 @@ class Found:
     summary: str
     separation: float
     facts: Mapping[str, Any] = field(default_factory=dict)
+    flights: Sequence[Any] = ()
 
 
 class Finder(ABC):

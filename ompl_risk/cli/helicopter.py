@@ -13,7 +13,7 @@ from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.settings import PlanSettings
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.steering import HelicopterSteering
-from ompl_risk.planners.roadmap.equal_time_flights import EqualTimeFlights, equal_time_flights
+from ompl_risk.planners.roadmap.equal_time_flights import equal_time_flights
 from ompl_risk.planners.roadmap.exploring import pareto_routes
 from ompl_risk.planners.roadmap.flights import flight_roadmap
 
@@ -77,7 +77,6 @@ class HelicopterFinder(Finder):
         check_found(roadmap, len(found.flights))
         if settings.pareto:
             write_pareto(pareto_routes(roadmap), self._norm, steering.speed, folder, console)
-        _write_flights(found, folder)
         return Found(
             trajectories=[
                 flight.trajectory(f"alternative {k + 1}", step=STEP)
@@ -86,6 +85,7 @@ class HelicopterFinder(Finder):
             labels=[f"roadmap alternative {k + 1}" for k in range(len(found.flights))],
             summary=found.summary,
             separation=found.separation,
+            flights=found.flights,
             facts={
                 "roadmap": {
                     "vertices": roadmap.n,
@@ -106,11 +106,3 @@ class HelicopterFinder(Finder):
                 ],
             },
         )
-
-
-def _write_flights(found: EqualTimeFlights, folder: RunFolder) -> None:
-    """Write all states and inputs, so that every flight can be replayed exactly."""
-    path = folder.path / "flights"
-    path.mkdir(exist_ok=True)
-    for k, flight in enumerate(found.flights):
-        flight.save(path / f"alternative-{k + 1}.npz")

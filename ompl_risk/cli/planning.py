@@ -9,8 +9,9 @@ from ompl_risk import planners
 from ompl_risk.clearance.threads import thread_count
 from ompl_risk.cli.candidates import CandidateFinder
 from ompl_risk.cli.finding import Finder, Found
+from ompl_risk.cli.helicopter import PLACES, HelicopterFinder
 from ompl_risk.cli.judging import Judgement, judge, report
-from ompl_risk.cli.roadmap import RoadmapFinder
+from ompl_risk.cli.roadmap import SAMPLES, RoadmapFinder
 from ompl_risk.cli.run_folder import RunFolder, settings_as_values
 from ompl_risk.cli.scene import problem_of, scene_of
 from ompl_risk.cli.settings import PlanSettings
@@ -46,15 +47,20 @@ def plan(settings: PlanSettings, console: Console) -> Judgement:
     few = "" if len(found.trajectories) == settings.count else f" instead of {settings.count}"
     console.print(f"{found.summary}{few}.", markup=False, highlight=False)
     judgement = judge(found.trajectories, scene, letters=True)
+    title = _title(settings, scene, problem, len(found.trajectories))
     report(
         judgement,
         scene,
         folder,
         console,
-        title=_title(settings, scene, problem, len(found.trajectories)),
+        title=title,
         facts=_facts(settings, judgement, found),
         ceiling=float(problem.high[2]),
     )
+    if found.flights:
+        from ompl_risk.cli.flights import write_flights
+
+        write_flights(found, judgement, scene, settings, folder, console, title)
     return judgement
 
 
@@ -62,11 +68,19 @@ def _resolved(settings: PlanSettings, problem: planners.Problem) -> PlanSettings
     """The settings with what was left out filled in."""
     return replace(
         settings,
+        samples=_samples(settings),
         start=(float(problem.start[0]), float(problem.start[1])),
         goal=(float(problem.goal[0]), float(problem.goal[1])),
         ceiling=float(problem.high[2]),
         workers=thread_count(None) if settings.workers is None else settings.workers,
     )
+
+
+def _samples(settings: PlanSettings) -> int | None:
+    """How many places a roadmap samples; None without a roadmap."""
+    if settings.samples is not None or settings.planner.lower() != ROADMAP:
+        return settings.samples
+    return SAMPLES if settings.vehicle == "point" else PLACES
 
 
 def _finder(settings: PlanSettings, problem: planners.Problem) -> Finder:
@@ -107,8 +121,6 @@ def _helicopter_finder(settings: PlanSettings, problem: planners.Problem, kind: 
     if settings.speed != PlanSettings().speed:
         allowed = "left out with --vehicle helicopter: its primitives have speeds of their own"
         raise ArgumentError("speed", settings.speed, allowed)
-    from ompl_risk.cli.helicopter import HelicopterFinder
-
     return HelicopterFinder(settings, problem)
 
 

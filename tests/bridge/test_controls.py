@@ -13,7 +13,11 @@ from ompl_risk import Trajectory
 from ompl_risk._kernels import rigid_body
 from ompl_risk.bridge.controls import ControlBuffers, to_path_control
 from ompl_risk.errors import ArgumentError
+from ompl_risk.helicopter.flying import fly
+from ompl_risk.helicopter.library import default_library
 from ompl_risk.helicopter.parameters import Helicopter
+from ompl_risk.helicopter.spaces import control_space, propagator, state_space
+from ompl_risk.helicopter.steering import HelicopterSteering
 
 DT = 0.02
 X_CELL = Helicopter()
@@ -130,6 +134,28 @@ def test_another_vehicle_does_not_check():
         return out
 
     assert not to_path_control(rigid_body_setup(propagate=fly), flown()).check()
+
+
+def test_a_flight_of_the_shipped_primitives_checks_in_the_helicopters_space():
+    library = default_library()
+    steering = HelicopterSteering(library)
+    a = steering.vertex_at((0.0, 0.0, 100.0), 0.3, speed=20.0)
+    b = steering.vertex_at((700.0, 200.0, 130.0), 1.2, speed=30.0)
+    flight = fly(library, a, steering.connect(a, b).pieces)
+    space = state_space([-100.0] * 3, [1000.0] * 3, library.limits)
+    controls = control_space(space, library.helicopter, library.limits)
+    si = oc.SpaceInformation(space, controls)
+    si.setStatePropagator(propagator(space, controls, library.helicopter))
+    si.setPropagationStepSize(library.dt)
+    si.setMinMaxControlDuration(1, 100)
+    si.setStateValidityChecker(space.satisfiesBounds)
+    si.setup()
+    path = to_path_control(si, flight)
+    assert path.check()
+    assert path.getControlCount() < len(flight)
+    trajectory = Trajectory.from_path(path)
+    assert_allclose(trajectory.positions, flight.states[:, :3], rtol=0.0, atol=0.0)
+    assert_allclose(trajectory.velocities, flight.trajectory().velocities, atol=1e-12)
 
 
 @pytest.mark.parametrize("step", [0.03, 0.04, 0.015])

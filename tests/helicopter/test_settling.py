@@ -37,9 +37,7 @@ def ahead(trim, seconds, pose=(0.0, 0.0, 0.0, 0.0)):
     """The pose that a trim leads to."""
     x, y, z, turn = trim.displacement(seconds)
     c, s = math.cos(pose[3]), math.sin(pose[3])
-    return np.array(
-        [pose[0] + c * x - s * y, pose[1] + s * x + c * y, pose[2] + z, pose[3] + turn]
-    )
+    return np.array([pose[0] + c * x - s * y, pose[1] + s * x + c * y, pose[2] + z, pose[3] + turn])
 
 
 def shifted(reference, e):
@@ -52,7 +50,9 @@ def shifted(reference, e):
 def difference(state, reference):
     body = Rotation.from_quat(reference[3:7])
     turn = (body.inv() * Rotation.from_quat(state[3:7])).as_rotvec()
-    return np.concatenate([body.inv().apply(state[:3] - reference[:3]), turn, (state - reference)[7:]])
+    return np.concatenate(
+        [body.inv().apply(state[:3] - reference[:3]), turn, (state - reference)[7:]]
+    )
 
 
 @pytest.mark.parametrize("key", KEYS)
@@ -160,7 +160,7 @@ def test_a_jump_from_the_input_before_counts():
     trim = TRIMS[20.0, 0.0, 0.0]
     pose = ahead(trim, 2.0)
     calm = SETTLER.settle(trim, trim.state(), pose, 100, trim.control)
-    jump = SETTLER.settle(trim, trim.state(), pose, 100, trim.control + [0.0, 0.0, 0.1, 0.0])
+    jump = SETTLER.settle(trim, trim.state(), pose, 100, trim.control + np.eye(4)[2] * 0.1)
     assert calm.succeeded
     assert not jump.succeeded
     assert jump.effort == pytest.approx(0.1 / DT / 2.0)

@@ -91,7 +91,7 @@ def test_tracking_leads_back_during_a_manoeuvre():
     first = library.trim(30.0)
     one = library.manoeuvre(first, library.trim(20.0))
     start = one.states[0] + np.eye(13)[1] * 0.3
-    controls, states = tracker.track(one, one.controls, one.states, start, first.control)
+    _, states = tracker.track(one, one.controls, one.states, start, first.control)
     held = np.empty_like(states)
     rigid_body.rollout(start, one.controls, library.dt, library.helicopter.given, held)
     assert np.abs(held[-1, 1] - one.states[-1, 1]) > 0.29  # it stays beside if nothing is done

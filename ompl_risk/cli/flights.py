@@ -1,0 +1,68 @@
+"""What the command `plan` writes of helicopter flights, besides what it writes of any paths."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from ompl_risk.cli.finding import Found
+from ompl_risk.cli.judging import Judgement
+from ompl_risk.cli.progress import progress_bar
+from ompl_risk.cli.run_folder import RunFolder
+from ompl_risk.cli.scene import Scene
+from ompl_risk.cli.settings import PlanSettings
+from ompl_risk.helicopter.flight_file import write_flight
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+WIDE, CLOSE = 60.0, 12.0
+"""Seconds of flight in the film, and seconds that it takes."""
+
+
+def write_flights(
+    found: Found,
+    judgement: Judgement,
+    scene: Scene,
+    settings: PlanSettings,
+    folder: RunFolder,
+    console: Console,
+    title: str,
+) -> None:
+    """Write states and inputs at their full rate, views of all flights, and a film of one.
+
+    The film shows the minute around the place where the safest flight by the last norm is nearest
+    to the ground.
+    """
+    from ompl_risk.report import animate_flight, flight_views
+
+    ranking = judgement.ranking
+    path = folder.path / "flights"
+    path.mkdir(exist_ok=True)
+    for assessment, k in zip(ranking.assessments, judgement.order, strict=True):
+        write_flight(path / f"{assessment.name}.npz", found.flights[k])
+    trajectories = [assessment.trajectory for assessment in ranking.assessments]
+    flight_views(trajectories, scene.terrain, title=title, path=folder.path / "flights.png")
+    written = ["flights.png", "flights/"]
+    if settings.animation is not None:
+        name = ranking.orders[ranking.labels[-1]][0]
+        index = [assessment.name for assessment in ranking.assessments].index(name)
+        shown = ranking.assessments[index]
+        first, last = float(shown.trajectory.t[0]), float(shown.trajectory.t[-1])
+        begin = max(min(shown.min_clearance_time - 0.5 * WIDE, last - WIDE), first)
+        film = folder.path / f"flight-{name}.{settings.animation}"
+        with progress_bar(console) as progress:
+            drawing = progress.add_task(f"filming flight {name}", total=None)
+            animate_flight(
+                shown.trajectory,
+                scene.terrain,
+                scene.clearance,
+                film,
+                avoidance=scene.avoidance,
+                begin=begin,
+                end=min(begin + WIDE, last),
+                seconds=CLOSE,
+                index=index,
+                progress=lambda done, total: progress.update(drawing, completed=done, total=total),
+            )
+        written.append(film.name)
+    console.print(f"and {', '.join(written)}", markup=False, soft_wrap=True)
