@@ -40,7 +40,8 @@ class ControlBuffers:
     """One state and one control that are read and written as numbers, some 90 ns each.
 
     OMPL's paths and its ``propagate`` copy what they are given, so one of each serves for many.
-    (A control that Python allocates is never freed, which is another reason.)
+    (A control that Python allocates is never freed, which is another reason.) Its state keeps the
+    space information alive: a callback of that one should not hold it.
 
     Args:
         si: over a control space.

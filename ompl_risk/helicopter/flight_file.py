@@ -14,7 +14,7 @@ from ompl_risk.helicopter.parameters import Helicopter
 FORMAT = 1
 """Version of the file's format."""
 
-ARRAYS = "dt", "states", "controls", "planned", "goal"
+ARRAYS = "dt", "states", "controls", "planned", "planned_times", "goal"
 
 
 def write_flight(path: str | Path, flight: Flight) -> None:
@@ -22,7 +22,7 @@ def write_flight(path: str | Path, flight: Flight) -> None:
 
     Args:
         path: the NPZ file to write; its folder must exist. Other programs find there ``dt`` [s],
-            ``states`` (n + 1, 13), ``controls`` (n, 4), ``planned`` (n + 1, 13), ``goal`` (13,),
+            ``states`` (n + 1, 13), ``controls`` (n, 4), ``planned`` (n + 1, 13) at ``planned_times`` (n + 1,), ``goal`` (13,),
             ``helicopter`` (13,) and ``format``.
         flight: the flight.
 
@@ -60,6 +60,7 @@ def read_flight(path: str | Path) -> Flight:
             arrays["states"],
             arrays["controls"],
             arrays["planned"],
+            planned_times=arrays["planned_times"],
             goal=arrays["goal"],
             helicopter=_helicopter(arrays["helicopter"]),
         )

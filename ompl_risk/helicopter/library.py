@@ -19,7 +19,7 @@ from ompl_risk.helicopter.trim_grid import TrimGrid
 from ompl_risk.helicopter.trims import Key, Trim
 
 SHIPPED = Path(__file__).parent / "data" / "xcell60.npz"
-"""The library of the default helicopter."""
+"""The library of the default helicopter; its manoeuvres keep to nine tenths of the limits."""
 
 TOLERANCE = 1e-9
 """How far a manoeuvre may end from its last trim, see `Manoeuvre.miss`."""

@@ -47,8 +47,7 @@ def headings(states: FloatArray) -> FloatArray:
 class Manoeuvre:
     """A flight from one trim to another: inputs that are held for ``dt`` each, and its states.
 
-    Begun elsewhere it flies the same track, up to the error of the integrator: where it ends
-    depends on the heading by some micrometres; height, attitude, v and omega do not.
+    Begun elsewhere, at any heading, it flies the same track to rounding.
 
     Args:
         number: its place among the manoeuvres of its library.

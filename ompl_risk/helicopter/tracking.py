@@ -24,7 +24,7 @@ TOLERATED = np.repeat([0.5, 0.015, 0.3, 0.05], 3)
 """Deviations that are equally bad: in place [m], attitude [rad], velocity [m/s], rates [rad/s]."""
 
 EFFORT = 0.03
-"""Change of an input, as a part of half its range, that is as bad as one of these for a second."""
+"""Change of an input, as a part of half its range, that is as bad as one of these."""
 
 
 @dataclass(frozen=True)

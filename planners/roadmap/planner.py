@@ -23,9 +23,10 @@ from ompl_risk.planners.roadmap.exploring import (
     pareto_routes,
 )
 from ompl_risk.planners.roadmap.goals import GoalSource
-from ompl_risk.planners.roadmap.publishing import add_solutions
+from ompl_risk.planners.roadmap.publisher import Publisher
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.planners.roadmap.setting import CheckerGate, Setting, read_setting
+from ompl_risk.planners.roadmap.translation import Translation
 from ompl_risk.planners.roadmap.vehicle_setting import read_vehicle_setting
 from ompl_risk.planners.roadmap.warming import warm_up
 from ompl_risk.planners.roadmap.worker import Worker
@@ -100,8 +101,7 @@ class RiskRoadmap(ob.Planner):
         self._roadmap: Roadmap | None = None
         self._worker: Worker | None = None
         self._seconds = 0.0
-        self._announced: Route | None = None
-        self._published: list[Any] = []
+        self._publisher: Publisher | None = None
         self._new_starts: list[FloatArray] = []
         self._new_goals: list[FloatArray] = []
         self.history: list[Progress] = []
@@ -129,7 +129,8 @@ class RiskRoadmap(ob.Planner):
         super().clear()
         self._leave()
         self._roadmap, self._setting, self._seconds = None, None, 0.0
-        self._announced, self._published, self._new_starts, self._new_goals = None, [], [], []
+        self._publisher = None
+        self._new_starts, self._new_goals = [], []
         self.history, self.reason = [], ""
 
     def clearQuery(self) -> None:
@@ -157,7 +158,9 @@ class RiskRoadmap(ob.Planner):
             self._worker = None
         self.checkValidity()
         roadmap = self._opened()
-        goals = GoalSource(self.getProblemDefinition(), self.getPlannerInputStates(), self._row)
+        goals = GoalSource(
+            self.getProblemDefinition(), self.getPlannerInputStates(), self._translation.row
+        )
         wrong = self._read_ends(roadmap, goals, condition)
         if wrong is not None:
             return ob.PlannerStatus(wrong)
@@ -174,7 +177,7 @@ class RiskRoadmap(ob.Planner):
         more = not isinstance(roadmap.gate, CheckerGate) and self._iterations is None
 
         def meanwhile() -> None:
-            self._announce(roadmap)
+            self._published().announce(self.getProblemDefinition())
             if more:
                 work.more_goals.extend(goals.later())
 
@@ -189,13 +192,6 @@ class RiskRoadmap(ob.Planner):
         found = self._roadmap is not None and self._roadmap.best is not None
         return ob.PlannerStatus(found, False)
 
-    def _announce(self, roadmap: Roadmap) -> None:
-        """Publish a better path as soon as there is one: a condition may wait for it."""
-        best = roadmap.best
-        if best is not None and best is not self._announced:
-            self._announced = best
-            self.publish([best])
-
     def _conclude(self, roadmap: Roadmap, work: Growing) -> None:
         """Publish the best path, keep the history."""
         self._seconds = work.seconds
@@ -206,7 +202,6 @@ class RiskRoadmap(ob.Planner):
             )
             return
         self.reason = ""
-        self._announced = roadmap.best
         self.publish([roadmap.best])
 
     def alternatives(
@@ -250,21 +245,18 @@ class RiskRoadmap(ob.Planner):
 
         A better exact solution of another planner that is there already stays first.
         """
-        problem: Any = self.getProblemDefinition()
-        paths = [self._path(route) for route in routes]
-        objective, name = problem.getOptimizationObjective(), self.getName()
-        add_solutions(problem, paths, objective, name, self._published)
-        self._published = paths
+        self._published().publish(self.getProblemDefinition(), routes)
 
-    def _path(self, route: Route) -> Any:
-        if self._roadmap is None or self._setting is None:
-            raise ArgumentError("planner", "RiskRoadmap without a roadmap", "solved with before")
-        return self._setting.translation.path(route, self._roadmap)
+    def _published(self) -> Publisher:
+        if self._publisher is None:
+            self._publisher = Publisher(self._translation, self._opened(), self.getName())
+        return self._publisher
 
-    def _row(self, state: Any) -> FloatArray:
+    @property
+    def _translation(self) -> Translation:
         if self._setting is None:
             raise ArgumentError("planner", "RiskRoadmap without a roadmap", "solved with before")
-        return self._setting.translation.row(state)
+        return self._setting.translation
 
     def _opened(self) -> Roadmap:
         """The roadmap, made from the problem the first time."""
@@ -294,7 +286,7 @@ class RiskRoadmap(ob.Planner):
         """Take in starts and goals; the status to return if there is none, and say why."""
         inputs = self.getPlannerInputStates()
         while (state := inputs.nextStart()) is not None:
-            self._new_starts.append(self._row(state))
+            self._new_starts.append(self._translation.row(state))
         self._new_goals += goals.first(until)
         # Kept until they have been taken in: a clearance may raise, and OMPL gives each only once.
         if self._new_starts:

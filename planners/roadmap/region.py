@@ -66,6 +66,11 @@ class Region:
         """States that are made from a point of the sequence."""
         return 1
 
+    @property
+    def thins(self) -> bool:
+        """Whether roadmaps are thinned out as they grow: where it costs little to connect anew."""
+        return True
+
     def sample(self, n: int, *, within: tuple[FloatArray, FloatArray] | None = None) -> FloatArray:
         """The states of the next n points of the sequence, shape (n * copies, width).
 
@@ -126,6 +131,11 @@ class VertexRegion(Region):
     def copies(self) -> int:
         """Vertices that are made from a point of the sequence: one for each trim."""
         return self._copies
+
+    @property
+    def thins(self) -> bool:
+        """No: to bound a connection again costs more than to keep it."""
+        return False
 
     def sample(self, n: int, *, within: tuple[FloatArray, FloatArray] | None = None) -> FloatArray:
         """The vertices of the next n points of the sequence, shape (n * copies, width)."""

@@ -25,8 +25,8 @@ THIN = 1.5
 SPARSE = 3000
 """Vertices below which that is not worth while."""
 
-CHUNK = 1 << 17
-"""Edges that are bounded at a time, for the sake of memory."""
+CHUNK = 1 << 15
+"""Edges that are bounded at a time: some 20 ms where a steering has to be asked."""
 
 Stop = Callable[[], bool]
 
@@ -150,9 +150,8 @@ class Roadmap:
         states = self.region.sample(n, within=self._worthwhile())
         parts = self._parts(len(states), stop)
         found = [states[part][self._useful(states[part])] for part in parts]
-        added = len(self.insert(np.vstack([np.empty((0, self.region.width)), *found])))
-        # Directed motions cost so much to bound that it is better to keep them.
-        if self.edges.undirected and self.n > max(THIN * self._thinned, SPARSE):
+        added = len(self.insert(np.vstack([np.empty((0, self.region.width)), *found]), stop))
+        if self.region.thins and self.n > max(THIN * self._thinned, SPARSE):
             self.thin_out()
             self._thinned = self.n
         return added
@@ -224,11 +223,11 @@ class Roadmap:
         starts = np.array(self.starts)
         return not self._promising(self.states[starts], self.clearance[starts]).any()
 
-    def insert(self, states: FloatArray) -> Integers:
+    def insert(self, states: FloatArray, stop: Stop = never) -> Integers:
         """Add states, which must be free, and connect them to their neighbours.
 
         Returns:
-            Their numbers, shape (k,).
+            Their numbers, shape (k,); none if ``stop`` said so before they were connected.
         """
         start = self.n
         # A user's clearance may raise: nothing is changed before all has been answered.
@@ -237,20 +236,30 @@ class Roadmap:
         tail, head = new_pairs(every, start, self.region, self._threads)
         if not self.edges.undirected:
             tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
-        tail, head, bound, least = self._bounded(every, clearance, tail, head)
+        bounded = self._bounded(every, clearance, tail, head, stop)
+        if bounded is None:
+            return np.empty(0, np.int32)
+        tail, head, bound, least = bounded
         self.states, self.clearance = every, clearance
         self.edges.add(self.n, tail, head, risk=bound, duration=least)
         return np.arange(start, self.n, dtype=np.int32)
 
     def _bounded(
-        self, states: FloatArray, clearance: FloatArray, tail: Integers, head: Integers
-    ) -> tuple[Integers, Integers, FloatArray, FloatArray]:
+        self,
+        states: FloatArray,
+        clearance: FloatArray,
+        tail: Integers,
+        head: Integers,
+        stop: Stop = never,
+    ) -> tuple[Integers, Integers, FloatArray, FloatArray] | None:
         """The pairs between which there may be a motion, with lower bounds for its risk and time.
 
-        Those between which there is none are left out.
+        Those between which there is none are left out. None if ``stop`` says so.
         """
         bound, least = np.empty(len(tail)), np.empty(len(tail))
         for i in range(0, len(tail), CHUNK):
+            if i > 0 and stop():
+                return None
             part = slice(i, i + CHUNK)
             t, h = tail[part], head[part]
             bound[part], least[part] = self.motions.edge_bounds(
@@ -275,7 +284,10 @@ class Roadmap:
         if not old.undirected:
             near, far = np.concatenate([near, far]), np.concatenate([far, near])
         new = ~np.isin(self._keys(near, far), self._keys(tail, head))
-        near, far, bound, least = self._bounded(self.states, self.clearance, near[new], far[new])
+        bounded = self._bounded(self.states, self.clearance, near[new], far[new])
+        if bounded is None:  # it was not told to stop
+            return
+        near, far, bound, least = bounded
         self.edges = Edges(time_weight=self._time_weight, undirected=old.undirected)
         self.edges.add(self.n, tail, head, risk=risk, duration=duration)
         self.edges.evaluated(np.arange(len(kept), dtype=np.int32), risk, duration)

@@ -17,7 +17,13 @@ from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 
 
 class Translation(ABC):
-    """Reads OMPL's states as rows of a roadmap, and writes its routes as OMPL's paths."""
+    """Reads OMPL's states as rows of a roadmap, and writes its routes as OMPL's paths.
+
+    Attributes:
+        quick: whether a path takes so little time to write that every better one can be published.
+    """
+
+    quick: bool = True
 
     @abstractmethod
     def row(self, state: Any) -> FloatArray:
@@ -61,6 +67,8 @@ class VertexTranslation(Translation):
         si: an ``oc.SpaceInformation`` over the states of the vehicle.
         steering: says what the vertices are.
     """
+
+    quick = False
 
     def __init__(self, si: Any, steering: KinodynamicSteering) -> None:
         self._si, self._steering, self._numbers = si, steering, _Numbers(si)

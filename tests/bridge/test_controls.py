@@ -13,6 +13,7 @@ from ompl_risk import Trajectory
 from ompl_risk._kernels import rigid_body
 from ompl_risk.bridge.controls import ControlBuffers, to_path_control
 from ompl_risk.errors import ArgumentError
+from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.flying import fly
 from ompl_risk.helicopter.library import default_library
 from ompl_risk.helicopter.parameters import Helicopter
@@ -49,7 +50,7 @@ def rigid_body_setup(step=DT, propagate=None):
     controls = oc.RealVectorControlSpace(space, 4)
     controls.setBounds(box(4, 200.0))
     si = oc.SpaceInformation(space, controls)
-    source, target = ControlBuffers(si), ControlBuffers(si)
+    x, u = Buffer(13), Buffer(4)  # not ControlBuffers, which would keep si alive for ever
 
     def fly(x, u, dt):
         out = np.empty(13)
@@ -59,9 +60,10 @@ def rigid_body_setup(step=DT, propagate=None):
     advance = fly if propagate is None else propagate
 
     def propagator(state, control, duration, result):
-        x = advance(source.read_state(state), source.read_control(control), duration)
-        target.write_state(x)
-        space.copyState(result, target.state)
+        space.serialize(x.capsule, state)
+        controls.serialize(u.capsule, control)
+        x.numbers[:] = advance(x.numbers.copy(), u.numbers.copy(), duration)
+        space.deserialize(result, x.capsule)
 
     si.setStatePropagator(propagator)
     si.setPropagationStepSize(step)
@@ -108,9 +110,8 @@ def test_the_path_checks_and_propagates_to_the_flight():
 
 def test_a_path_that_meets_an_invalid_state_does_not_check():
     si, flight = rigid_body_setup(), flown()
-    buffers = ControlBuffers(si)
-    height = flight.states[30, 2]  # within a held input
-    si.setStateValidityChecker(lambda state: bool(buffers.read_state(state)[2] != height))
+    height = float(flight.states[30, 2])  # within a held input
+    si.setStateValidityChecker(lambda state: state[0].getZ() != height)
     si.setup()
     assert not to_path_control(si, flight).check()
 

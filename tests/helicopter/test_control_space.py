@@ -2,7 +2,6 @@
 
 import gc
 import math
-import warnings
 import weakref
 
 import numpy as np
@@ -41,16 +40,11 @@ def hill():
 
 
 def hop(**options):
-    """Ten metres over flat ground: solved in a blink."""
+    """Thirty metres straight on over flat ground: solved in a blink."""
     flat = Terrain(np.zeros((11, 11)), spacing=(10.0, 10.0))
-    options = {
-        "radius": 5.0,
-        "tolerance": 3.0,
-        "limits": CALM,
-        "step": 0.1,
-        "holds": (3, 12),
-    } | options
-    return simple_setup(flat, start=(40, 50, 20), goal=(50, 50, 20), high=(100, 100, 40), **options)
+    ends = [model.make_state((x, 50, 20), velocity=(6, 0, 0)) for x in (30, 60)]
+    usual = {"radius": 6.0, "tolerance": 3.0, "limits": CALM, "step": 0.1, "holds": (3, 12)}
+    return simple_setup(flat, start=ends[0], goal=ends[1], high=(100, 100, 40), **(usual | options))
 
 
 def numbers(si, state):
@@ -70,7 +64,7 @@ def some_states(n, seed=0):
     """Around the limits: about half of each kind breaks it."""
     rng = np.random.default_rng(seed)
     tilt = Rotation.from_rotvec(rng.standard_normal((n, 3)) * 0.6)
-    turn = (Rotation.from_euler("z", rng.uniform(-3, 3, n)) * tilt).as_quat()
+    turn = (Rotation.from_euler("z", rng.uniform(-3, 3, (n, 1))) * tilt).as_quat()
     turn /= np.linalg.norm(turn, axis=1, keepdims=True)
     return np.column_stack(
         [
@@ -90,7 +84,9 @@ def after(calls):
 
 @pytest.fixture
 def si():
-    return hop().getSpaceInformation()
+    found = hop().getSpaceInformation()
+    found.setup()
+    return found
 
 
 # spaces
@@ -200,7 +196,7 @@ def test_validity_is_all_limits_and_a_clearance_above_0():
         np.linalg.norm(states[:, 7:10], axis=1) <= 25.0,
         np.abs(states[:, 10:]).max(axis=1) <= 2.0,
         np.arccos(np.clip(up, -1, 1)) <= 0.7,
-        ((LOW <= states[:, :3]) & (states[:, :3] <= HIGH)).all(axis=1),
+        ((states[:, :3] >= LOW) & (states[:, :3] <= HIGH)).all(axis=1),
         clearance(states[:, :3]) > 0.0,
     ]
     wanted = np.all(each, axis=0)
@@ -215,7 +211,7 @@ def test_validity_over_any_clearance_is_that_over_terrain():
     si = hop().getSpaceInformation()
     clearance, envelope = TerrainClearance(hill(), 3.0), Envelope(LOW, HIGH)
     compiled = HelicopterValidityChecker(si, clearance, envelope)
-    asked = HelicopterValidityChecker(si, lambda points: clearance(points), envelope)
+    asked = HelicopterValidityChecker(si, lambda points: 1.0 * clearance(points), envelope)
     states = some_states(500, seed=1)
     states[:, 7:] *= 0.3
     states[:, 2] *= 0.3
@@ -281,7 +277,7 @@ def test_planners_that_sample_goals_get_the_middle(si):
     goal, state = HelicopterGoal(si, middle), si.allocState()
     goal.sampleGoal(state)
     assert (numbers(si, state) == middle).all()
-    assert goal.canSample()
+    assert goal.maxSampleCount() == 1
     assert goal.distanceGoal(state) == 0.0
 
 
@@ -291,17 +287,17 @@ def test_planners_that_sample_goals_get_the_middle(si):
 @pytest.mark.parametrize("planner", PLANNERS)
 def test_planners_find_flights_that_replay_exactly(planner):
     ou.RNG.setSeed(1)
-    setup = hop()
+    setup = hop(radius=10.0, tolerance=5.0)
     si = setup.getSpaceInformation()
     setup.setOptimizationObjective(ob.PathLengthOptimizationObjective(si))
     setup.setPlanner(planner(si))
-    setup.solve(after(20_000))
+    setup.solve(after(60_000))
     problem = setup.getProblemDefinition()
     assert problem.hasExactSolution()
     path = problem.getSolutionPath()
     assert path.check()
     state, states = numbers(si, path.getState(0)), path.getStates()
-    assert (state == model.make_state((40, 50, 20))).all()
+    assert (state == model.make_state((30, 50, 20), velocity=(6, 0, 0))).all()
     bounds = si.getControlSpace().getBounds()
     for k, (held, seconds) in enumerate(
         zip(path.getControls(), path.getControlDurations(), strict=True)
@@ -310,8 +306,8 @@ def test_planners_find_flights_that_replay_exactly(planner):
         assert all(a <= x <= b for a, x, b in zip(bounds.low, u, bounds.high, strict=True))
         state = model.simulate(XCELL, state, [u] * round(seconds / 0.1), dt=0.1)[-1]
         assert (state == numbers(si, states[k + 1])).all()
-    assert np.linalg.norm(state[:3] - [50, 50, 20]) <= 5.0
-    assert np.linalg.norm(state[7:10]) <= 3.0
+    assert np.linalg.norm(state[:3] - [60, 50, 20]) <= 10.0
+    assert np.linalg.norm(model.world_velocity(state) - [6, 0, 0]) <= 5.0
     assert Trajectory.from_path(path).duration == pytest.approx(path.length())
 
 
@@ -341,7 +337,7 @@ def test_terrains_may_be_names_and_clearances():
 def test_the_objective_is_risk_and_planners_that_ignore_it_say_so():
     setup = hop()
     si = setup.getSpaceInformation()
-    objective = setup.getOptimizationObjective()
+    objective = setup.getProblemDefinition().getOptimizationObjective()
     assert isinstance(objective, RiskObjective)
     assert objective.risk.norm.label == "H1"
     assert objective.risk.speed == CALM.speed
@@ -354,6 +350,7 @@ def test_the_objective_is_risk_and_planners_that_ignore_it_say_so():
             setup.solve(after(1))
 
 
+@pytest.mark.filterwarnings("ignore::ompl_risk.errors.TrapWarning")
 def test_an_exception_in_the_clearance_surfaces_after_solve():
     calls = iter(range(10**6))
 
@@ -364,11 +361,11 @@ def test_an_exception_in_the_clearance_surfaces_after_solve():
 
     setup = simple_setup(breaks, start=(40, 50, 20), goal=(60, 50, 20), low=LOW, high=HIGH)
     setup.setPlanner(oc.EST(setup.getSpaceInformation()))
-    with pytest.raises(ZeroDivisionError, match="from the clearance"), warnings.catch_warnings():
-        warnings.simplefilter("ignore", TrapWarning)
+    with pytest.raises(ZeroDivisionError, match="from the clearance"):
         setup.solve(10.0)
 
 
+@pytest.mark.filterwarnings("ignore::ompl_risk.errors.TrapWarning")
 def test_an_exception_in_the_propagator_surfaces_after_solve(monkeypatch):
     calls, advance = iter(range(10**6)), propagation.advance
 
@@ -380,8 +377,7 @@ def test_an_exception_in_the_propagator_surfaces_after_solve(monkeypatch):
     monkeypatch.setattr(propagation, "advance", breaks)
     setup = hop(radius=1e-6)
     setup.setPlanner(oc.RRT(setup.getSpaceInformation()))
-    with pytest.raises(ZeroDivisionError, match="from the propagator"), warnings.catch_warnings():
-        warnings.simplefilter("ignore", TrapWarning)
+    with pytest.raises(ZeroDivisionError, match="from the propagator"):
         setup.solve(10.0)
 
 
@@ -459,7 +455,7 @@ def test_unknown_terrains_are_refused():
         simple_setup("jacksborough", **ENDS)
     with pytest.raises(ArgumentError, match="terrain = 7: must be a Terrain, the name of one"):
         simple_setup(7, **ENDS)  # pyright: ignore[reportArgumentType]
-    with pytest.raises(ArgumentError, match="body = 2.0: must be left out"):
+    with pytest.raises(ArgumentError, match=r"body = 2.0: must be left out"):
         simple_setup(TerrainClearance(FLAT), body=2.0, **ENDS)
     with pytest.raises(ArgumentError, match="high = None: must be given"):
         simple_setup(lambda points: points[:, 2], low=LOW, **ENDS)
@@ -468,7 +464,7 @@ def test_unknown_terrains_are_refused():
 def test_goals_know_the_checker_of_their_space(si):
     with pytest.raises(ArgumentError, match="clearance of goal"):
         HelicopterGoal(si, (50, 50, 0.2))
-    with pytest.raises(ArgumentError, match="speed of goal = 16.0: must be at most 15 m/s"):
+    with pytest.raises(ArgumentError, match=r"speed of goal = 16.0: must be at most 15 m/s"):
         HelicopterGoal(si, model.make_state((50, 50, 20), velocity=(16, 0, 0)))
 
 

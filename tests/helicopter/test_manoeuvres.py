@@ -10,7 +10,7 @@ from small_library import GRID, X_CELL, grid_with, left_turn, library, lifting
 from ompl_risk._kernels import rigid_body
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.library import PrimitiveLibrary, default_library
-from ompl_risk.helicopter.parameters import Limits
+from ompl_risk.helicopter.parameters import Helicopter, Limits
 from ompl_risk.helicopter.primitives import DT, mirrored_controls, mirrored_states, replay
 from ompl_risk.helicopter.trims import solve_trim
 
@@ -32,7 +32,16 @@ def test_headings_are_unwrapped_along_the_track():
     spun = replay(X_CELL, hover, hover, [hover.control] * 1000)
     np.testing.assert_allclose(spun.track[:, 3], 0.8 * DT * np.arange(1001), atol=1e-8)
     assert spun.displacement[3] == pytest.approx(16.0)
-    assert spun.miss <= 1e-9
+
+
+def test_spinning_hover_rises_by_the_error_of_order_four():
+    """Stages of a spin are of another norm than 1, and gravity is scaled by its mean square."""
+    hover, half = solve_trim(X_CELL, 0.0, turn=0.8), 0.5 * 0.8 * DT
+    spun = replay(X_CELL, hover, hover, [hover.control] * 1000)
+    rise = X_CELL.gravity * spun.duration * half**4 / 48.0  # 1.7e-8 m/s after 20 s
+    assert spun.states[-1, 9] == pytest.approx(rise, rel=1e-4)
+    assert spun.miss == spun.states[-1, 9]
+    np.testing.assert_allclose(spun.states[:, [0, 1, 7, 8, 10, 11]], 0.0, atol=1e-14)
 
 
 @settings(deadline=None, max_examples=40)
@@ -46,9 +55,32 @@ def test_flown_elsewhere_it_ends_at_the_displacement(number, x, y, z, heading):
     along = (dx + 1j * dy) * np.exp(1j * heading)
     wanted = m.last.state([x + along.real, y + along.imag, z + dz], heading + turned)
     wanted[3:7] *= np.sign(wanted[3:7] @ states[-1, 3:7])
-    np.testing.assert_allclose(states[-1, 2:], wanted[2:], rtol=0, atol=1e-9)
-    # steps of the integrator depend on the heading by some micrometres
-    np.testing.assert_allclose(states[-1, :2], wanted[:2], rtol=0, atol=5e-6)
+    np.testing.assert_allclose(states[-1], wanted, rtol=0, atol=1e-9)
+
+
+def turned(state, heading):
+    """A state with the world about it turned about the vertical."""
+    turn = Rotation.from_euler("z", heading)
+    attitude = (turn * Rotation.from_quat(state[3:7])).as_quat()
+    return np.concatenate([turn.apply(state[:3]), attitude, state[7:]])
+
+
+@settings(deadline=None, max_examples=100)
+@given(st.integers(0, 2**32 - 1), st.floats(-math.pi, math.pi), st.sampled_from([DT, 0.1]))
+def test_a_step_commutes_with_a_turn_of_the_world_about_the_vertical(seed, heading, dt):
+    rng = np.random.default_rng(seed)
+    state = rng.normal(size=13) * ([5.0] * 3 + [1.0] * 4 + [15.0] * 3 + [2.0] * 3)
+    state[3:7] /= np.linalg.norm(state[3:7])
+    control = rng.normal(size=4) * [20.0, 2.0, 0.1, 0.1] + [80.0, 0.0, 0.0, 0.0]
+    wind, drag = rng.normal(size=3) * 4.0, rng.uniform(size=3)
+    there = Rotation.from_euler("z", heading).apply(wind)
+    before, after = np.empty(13), np.empty(13)
+    rigid_body.propagate(state, control, dt, Helicopter(drag=drag, wind=wind).given, before)
+    windy = Helicopter(drag=drag, wind=there)
+    rigid_body.propagate(turned(state, heading), control, dt, windy.given, after)
+    wanted = turned(before, heading)
+    wanted[3:7] *= np.sign(wanted[3:7] @ after[3:7])
+    np.testing.assert_allclose(after, wanted, rtol=0, atol=1e-12)
 
 
 @settings(deadline=None, max_examples=50)

@@ -12,8 +12,8 @@ from ompl_risk.errors import ArgumentError  # noqa: E402
 from ompl_risk.helicopter.library import default_library  # noqa: E402
 from ompl_risk.helicopter.optimal_control import dynamics  # noqa: E402
 from ompl_risk.helicopter.optimal_control.course import guess, resampled  # noqa: E402
-from ompl_risk.helicopter.optimal_control.making import make  # noqa: E402
-from ompl_risk.helicopter.optimal_control.refining import end_error, refined  # noqa: E402
+from ompl_risk.helicopter.optimal_control.making import _fault, make  # noqa: E402
+from ompl_risk.helicopter.optimal_control.refining import end_error, refined, replayed  # noqa: E402
 from ompl_risk.helicopter.optimal_control.shooting import Shooting  # noqa: E402
 from ompl_risk.helicopter.optimal_control.task import PLANE, Task  # noqa: E402
 from ompl_risk.helicopter.optimal_control.vehicle import Vehicle  # noqa: E402
@@ -62,6 +62,12 @@ def test_step_is_that_of_the_compiled_model(helicopter):
         np.testing.assert_allclose(found, out, rtol=1e-13, atol=1e-13)
 
 
+def test_rotation_by_a_quaternion_of_another_norm_is_stretched_alike_in_all_directions():
+    q = np.array([0.3, -0.2, 0.6, 0.9])
+    R = np.array(casadi.DM(dynamics.rotation([0.0, 0.0, 0.0, *q])))
+    np.testing.assert_allclose(R, Rotation.from_quat(q).as_matrix() * (q @ q), atol=1e-15)
+
+
 def test_flight_in_the_plane_is_the_flight_in_space_without_the_rest():
     rng = np.random.default_rng(2)
     x, u = rng.normal(size=7), rng.normal(size=2)
@@ -77,24 +83,31 @@ def test_flight_in_the_plane_is_the_flight_in_space_without_the_rest():
 # least time
 
 
-def least_time(steps, change):
-    """Time in which the collective alone changes the climb rate in so many steps, solved for h."""
+def least_time(steps, change, share):
+    """Time in which the collective alone changes the climb rate in so many steps, solved for h.
+
+    It may add a share of the weight, and four times that share in a second.
+    """
 
     def lacking(h):
         k = np.arange(1, steps + 1)
-        lift = np.minimum(1.0, 4.0 * h * np.minimum(k, steps + 1 - k))
+        lift = share * np.minimum(1.0, 4.0 * h * np.minimum(k, steps + 1 - k))
         return G * h * lift.sum() - change
 
     return steps * brentq(lacking, 1e-4, 1.0, xtol=1e-14)
 
 
-@pytest.mark.parametrize(("climb", "steps"), [(2.0, 10), (2.0, 31), (6.0, 50)])
-def test_least_time_of_a_climb_is_that_of_the_closed_form(climb, steps):
+@pytest.mark.parametrize(
+    ("climb", "steps", "reserve"),
+    [(2.0, 10, 0.1), (2.0, 31, 0.1), (6.0, 50, 0.1), (2.0, 31, 0.0), (6.0, 50, 0.3)],
+)
+def test_least_time_of_a_climb_is_that_of_the_closed_form(climb, steps, reserve):
     job = task(LEVEL, (10.0, climb, 0.0))
-    found = Shooting(job, VEHICLE, steps).solve(guess(job, steps, G))
+    found = Shooting(job, Vehicle(reserve=reserve), steps).solve(guess(job, steps, G))
     assert found.solved
     # 1e-6 of each limit is kept back, and smoothness has a price
-    assert found.course.duration == pytest.approx(least_time(steps, climb), rel=2e-5)
+    wanted = least_time(steps, climb, 1.0 - reserve)
+    assert found.course.duration == pytest.approx(wanted, rel=2e-5)
 
 
 @pytest.mark.parametrize(("first", "last"), [(LEVEL, FASTER), (LEVEL, HARD)])
@@ -159,13 +172,50 @@ def test_helicopter_with_drag_of_its_own():
         flown = replay(helicopter, job.first, job.last, made.controls)
         assert flown.miss <= 1e-10
         assert abs(flown.displacement[2]) <= 1e-10
-        assert np.abs(made.controls[:, 2:]).max() <= 0.15
+        assert flown.broken_limit(helicopter, vehicle.kept) is None
+        assert np.abs(made.controls[:, 2:]).max() <= 0.9 * 0.15
 
 
-def test_limits_bind_in_the_least_time():
+def test_limits_less_the_reserve_bind_in_the_least_time():
     """A hard turn is entered as fast as the body may roll."""
     shipped = shipped_manoeuvre(LEVEL, HARD)
-    assert np.abs(shipped.states[:, 10]).max() == pytest.approx(2.0, rel=1e-3)
+    assert np.abs(shipped.states[:, 10]).max() == pytest.approx(0.9 * 2.0, rel=1e-5)
+
+
+@pytest.mark.parametrize("reserve", [0.0, 0.3])
+def test_reserve_is_what_a_manoeuvre_leaves_of_the_limits(reserve):
+    vehicle, job = Vehicle(reserve=reserve), task(LEVEL, RISING)
+    made = make(job, vehicle)
+    inputs = np.concatenate([[job.first.control], made.controls, [job.last.control]])
+    fastest = np.abs(np.diff(inputs[:, 0])).max() / vehicle.dt / vehicle.helicopter.weight
+    assert fastest == pytest.approx((1.0 - reserve) * 4.0, rel=1e-3)
+    assert fastest <= (1.0 - reserve) * 4.0
+
+
+def test_corrections_that_use_the_reserve_are_a_fault():
+    """The last digits may not cost what is kept for the flight."""
+    job, shipped = task(LEVEL, HARD), shipped_manoeuvre(LEVEL, HARD)
+    course = replayed(job, shipped.controls, VEHICLE)
+    assert _fault(job, VEHICLE, course) == ""
+    states = course.states.copy()
+    states[5, 10] = 1.9  # of 2.0, with 0.2 in reserve
+    assert _fault(job, VEHICLE, course._replace(states=states)) == (
+        "angular velocity 1.9, not 0 to 1.8 rad/s"
+    )
+
+
+@pytest.mark.parametrize("reserve", [-0.01, 1.0, math.nan, math.inf, "much", True, None])
+def test_reserve_out_of_range(reserve):
+    with pytest.raises(ArgumentError, match="0 or more and below 1") as caught:
+        Vehicle(reserve=reserve)
+    assert caught.value.argument == "reserve"
+
+
+def test_kept_limits_are_those_without_the_reserve():
+    vehicle = Vehicle(limits=Limits(rate=1.0), reserve=0.25)
+    assert vehicle.kept == Limits(rate=1.0).scaled(0.75)
+    assert vehicle.kept.rate == 0.75
+    assert Vehicle().reserve == 0.1
 
 
 def test_height_of_a_level_manoeuvre_is_kept_to():
@@ -186,8 +236,9 @@ def ends(first, last):
 
 
 def test_trims_that_cannot_be_joined_are_named():
+    problem = r"'10 m/s to 20 m/s': .* within the limits less the reserve and 10 s"
     stiff = Vehicle(limits=Limits(tilt=1e-5))  # nothing that could tilt the helicopter
-    with pytest.raises(ArgumentError, match=r"'10 m/s to 20 m/s': .* within the limits and 10 s"):
+    with pytest.raises(ArgumentError, match=problem):
         make(task(LEVEL, FASTER), stiff)
 
 

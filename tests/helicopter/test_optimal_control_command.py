@@ -7,7 +7,7 @@ import pytest
 
 from ompl_risk.errors import ArgumentError, ExtraError, FileError
 from ompl_risk.helicopter.library import SHIPPED, PrimitiveLibrary, default_library
-from ompl_risk.helicopter.optimal_control import running
+from ompl_risk.helicopter.optimal_control import running, store
 from ompl_risk.helicopter.optimal_control.command import main
 from ompl_risk.helicopter.optimal_control.grid import Grid
 from ompl_risk.helicopter.optimal_control.making import Made
@@ -48,11 +48,12 @@ def test_default_settings_read_back_as_the_defaults(tmp_path):
 
 
 def test_settings_that_are_left_out_have_their_defaults(tmp_path):
-    text = SMALL + "banks = [10, 30]\n[manoeuvres]\nheight = 0.5\n"
+    text = SMALL + "banks = [10, 30]\n[manoeuvres]\nheight = 0.5\nreserve = 0\n"
     vehicle, grid = read_settings(written(tmp_path, text))
     assert vehicle.helicopter == Helicopter(9.0)
     assert vehicle.limits == Limits(yaw_force=5.0)
-    assert (vehicle.height, vehicle.dt) == (0.5, 0.02)
+    assert (vehicle.height, vehicle.reserve, vehicle.dt) == (0.5, 0.0, 0.02)
+    assert read_settings(written(tmp_path, SMALL)).vehicle.reserve == 0.1
     assert grid.banks == (math.radians(10.0), math.radians(30.0))
     assert grid.hover_turns == Grid().hover_turns
 
@@ -67,7 +68,9 @@ def test_settings_that_are_left_out_have_their_defaults(tmp_path):
         ("[helicopter]\nmass = 'heavy'\n", r"mass = 'heavy'"),
         ("[helicopter]\ninertia = [1.0, 0.1, 0.1]\n", r"inertia"),
         ("[manoeuvres]\ndt = 0.0\n", r"dt = 0.0"),
-        ("[manoeuvres]\nhelicopter = 1\n", r"'helicopter'.*height, dt"),
+        ("[manoeuvres]\nhelicopter = 1\n", r"'helicopter'.*height, reserve, dt$"),
+        ("[manoeuvres]\nreserve = 1.0\n", r"reserve = 1\.0: must be 0 or more and below 1"),
+        ("[manoeuvres]\nreserve = '10 %'\n", r"reserve = '10 %'"),
         ("[grid]\nspeeds = [10, 5]\n", r"speeds.*increasing"),
         ("[grid]\nspeeds = []\n", r"speeds"),
         ("[grid]\nspeeds = 10\n", r"wrong kind"),
@@ -103,6 +106,10 @@ def test_turn_rates_are_those_of_the_banks():
 def test_trim_beyond_the_limits_is_named():
     with pytest.raises(ArgumentError, match=r"40\.0.*speed"):
         Grid(speeds=[0.0, 40.0]).tasks(Vehicle())
+    tight = Vehicle(limits=Limits(speed=33.0))
+    with pytest.raises(ArgumentError, match=r"speed 30, not 0 to 29\.7 m/s"):  # 10 % in reserve
+        Grid().tasks(tight)
+    assert len(Grid().tasks(Vehicle(limits=Limits(speed=33.0), reserve=0.05))) == 56
     with pytest.raises(ArgumentError, match="still air"):
         Grid().tasks(Vehicle(Helicopter(wind=(1.0, 0.0, 0.0))))
 
@@ -129,9 +136,9 @@ def made():
 
 
 def test_store_gives_back_what_it_keeps(tmp_path, task):
-    store = Store(tmp_path / "new" / "work")
-    assert store.find(task, Vehicle()) is None
-    store.keep(task, Vehicle(), made())
+    folder = Store(tmp_path / "new" / "work")
+    assert folder.find(task, Vehicle()) is None
+    folder.keep(task, Vehicle(), made())
     found = Store(tmp_path / "new" / "work").find(task, Vehicle())
     np.testing.assert_array_equal(found.controls, made().controls)
     assert (found.least, found.error) == (made().least, made().error)
@@ -144,24 +151,32 @@ def test_store_gives_back_what_it_keeps(tmp_path, task):
         Vehicle(Helicopter(drag=(0.1, 0.0, 0.0))),
         Vehicle(limits=Limits(tilt=0.21)),
         Vehicle(height=0.9),
+        Vehicle(reserve=0.11),
         Vehicle(dt=0.01),
     ],
 )
 def test_store_tells_vehicles_apart(tmp_path, task, other):
-    store = Store(tmp_path)
-    store.keep(task, Vehicle(), made())
-    assert store.find(task, other) is None
-    assert store.find(Task(task.last, task.first), Vehicle()) is None
+    folder = Store(tmp_path)
+    folder.keep(task, Vehicle(), made())
+    assert folder.find(task, other) is None
+    assert folder.find(Task(task.last, task.first), Vehicle()) is None
+
+
+def test_manoeuvres_made_in_another_way_are_void(tmp_path, task, monkeypatch):
+    folder = Store(tmp_path)
+    folder.keep(task, Vehicle(), made())
+    monkeypatch.setattr(store, "RECIPE", store.RECIPE + 1)
+    assert folder.find(task, Vehicle()) is None
 
 
 def test_damaged_file_in_the_store_counts_as_none(tmp_path, task):
-    store = Store(tmp_path)
-    store.keep(task, Vehicle(), made())
+    folder = Store(tmp_path)
+    folder.keep(task, Vehicle(), made())
     (path,) = tmp_path.iterdir()
     path.write_bytes(path.read_bytes()[:100])
-    assert store.find(task, Vehicle()) is None
+    assert folder.find(task, Vehicle()) is None
     path.write_bytes(b"")
-    assert store.find(task, Vehicle()) is None
+    assert folder.find(task, Vehicle()) is None
 
 
 def test_store_in_a_place_that_cannot_be(tmp_path):
@@ -256,6 +271,7 @@ def test_wrong_use_ends_in_one_line(tmp_path, monkeypatch, capsys, arguments, pr
 def test_settings_are_shown_for_a_start(tmp_path, capsys):
     assert main(["--show-settings"]) == 0
     text = capsys.readouterr().out
+    assert text.endswith("\n[manoeuvres]\nheight = 1.0\nreserve = 0.1\ndt = 0.02\n")
     assert read_settings(written(tmp_path, text)).vehicle == Vehicle()
 
 

@@ -68,12 +68,13 @@ def manoeuvres(
     """Make the manoeuvres of a helicopter by optimal control, as a file for PrimitiveLibrary.
 
     A manoeuvre leads from one steady flight into another in the least time that inputs, their
-    rates, body rates, attitude and speed allow. Takes about a minute; if interrupted, the next run
-    goes on where it was.
+    rates, body rates, attitude and speed allow, with a tenth of each limit in reserve. Takes about
+    a minute; if interrupted, the next run goes on where it was.
 
     Args:
         output: the file to write.
-        settings: a TOML file with mass, inertia, limits, speeds and so on; the X-Cell 60 without.
+        settings: a TOML file with mass, inertia, limits, speeds, reserve and so on; the X-Cell 60
+            without.
         only: make only manoeuvres with this text in their name, such as '10 m/s to 20', and write
             no library.
         work: folder in which manoeuvres are kept as they are made.

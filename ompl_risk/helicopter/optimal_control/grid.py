@@ -75,19 +75,19 @@ class Grid:
         """The manoeuvres to make: those to the right are mirror images, and left out.
 
         Raises:
-            ArgumentError: a trim that does not exist, or breaks a limit.
+            ArgumentError: a trim that does not exist, or breaks a limit less the reserve.
         """
         tasks: list[Task] = []
         for speed in self.speeds:
             sides = [(speed, 0.0, turn) for turn in self.turns_at(speed)]
             sides += [(speed, climb, 0.0) for climb in self.climbs_at(speed)]
-            level = solve_trim(vehicle.helicopter, speed, limits=vehicle.limits)
+            level = solve_trim(vehicle.helicopter, speed, limits=vehicle.kept)
             for key in sides:
-                trim = solve_trim(vehicle.helicopter, *key, limits=vehicle.limits)
+                trim = solve_trim(vehicle.helicopter, *key, limits=vehicle.kept)
                 tasks += [Task(level, trim), Task(trim, level)]
             others = (other for other in self.speeds if other != speed)
             tasks += [
-                Task(level, solve_trim(vehicle.helicopter, other, limits=vehicle.limits))
+                Task(level, solve_trim(vehicle.helicopter, other, limits=vehicle.kept))
                 for other in others
             ]
         return tasks

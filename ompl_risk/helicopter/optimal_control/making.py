@@ -58,7 +58,7 @@ def make(task: Task, vehicle: Vehicle) -> Made:
         vehicle: what flies.
 
     Raises:
-        ArgumentError: the solver finds none within the limits.
+        ArgumentError: the solver finds none within the limits less the reserve.
         ExtraError: CasADi is not installed.
     """
     fastest = _fastest(task, vehicle)
@@ -107,7 +107,7 @@ def _fault(task: Task, vehicle: Vehicle, course: Course) -> str:
     worst = _worst(task, course)
     if not worst <= TOLERANCE:
         return f"an end that is off by {worst:.3g}"
-    limits, helicopter = vehicle.limits, vehicle.helicopter
+    limits, helicopter = vehicle.kept, vehicle.helicopter
     controls = np.vstack([task.first.control, course.controls, task.last.control])
     broken = (
         broken_in_states(limits, course.states)
@@ -118,5 +118,7 @@ def _fault(task: Task, vehicle: Vehicle, course: Course) -> str:
 
 
 def _failure(task: Task, problem: str) -> ArgumentError:
-    allowed = f"a pair of trims that can be joined within the limits and {LONGEST:g} s"
+    allowed = (
+        f"a pair of trims that can be joined within the limits less the reserve and {LONGEST:g} s"
+    )
     return ArgumentError("manoeuvre", task.name, f"{allowed}; the solver left: {problem}")

@@ -35,7 +35,7 @@ def read_settings(path: Path) -> Settings:
     """Settings from a TOML file with the tables helicopter, limits, grid and manoeuvres.
 
     Their keys are the arguments of `Helicopter`, `Limits`, `Grid` (banks in degrees) and, for
-    manoeuvres, height and dt of `Vehicle`; what is left out has its default.
+    manoeuvres, height, reserve and dt of `Vehicle`; what is left out has its default.
 
     Raises:
         FileError: the file cannot be read, is no TOML, or has a key or value that is not allowed.

@@ -59,7 +59,8 @@ class Shooting:
         minimise    n h + SMOOTHING s          (h sought)    or    s    (h given)
         with        s = sum_k |(u_{k+1} - u_k) / range|^2
         subject to  x_{k+1} = step(x_k, u_k, h),  x_0 in the first trim,  x_n in the last one
-                    inputs, their rates, attitude, speed and angular velocity within the limits
+                    inputs, their rates, attitude, speed and angular velocity within
+                    the limits less the reserve
 
     The rates of the inputs count from the first trim's input, and to the last one's.
 

@@ -21,7 +21,7 @@ class Vehicle:
         limits: its limits.
         height: how far a manoeuvre between level trims may leave their height [m].
         reserve: share of the limits that manoeuvres leave for corrections, when they are not flown
-            exactly as they were made.
+            exactly as they were made; 0 or more and below 1.
         dt: time for which each input is held [s].
 
     Raises:
@@ -42,10 +42,11 @@ class Vehicle:
         reserve = real_number("reserve", self.reserve, allowed)
         if not 0.0 <= reserve < 1.0:
             raise ArgumentError("reserve", self.reserve, allowed)
+        object.__setattr__(self, "reserve", reserve)
 
     @property
     def kept(self) -> Limits:
-        """The limits without the reserve: what manoeuvres are made for."""
+        """The limits without the reserve: what trims and manoeuvres are made for."""
         return self.limits.scaled(1.0 - self.reserve)
 
     @property
