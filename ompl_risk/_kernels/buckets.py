@@ -143,7 +143,8 @@ def least_near(buckets, marks, costs, mark, radius, weights):
     cheapest, least = NONE, math.inf
     nearest, best, near = NONE, math.inf, radius * radius
     for shell in range(max(nx, ny, nz)):
-        if (shell - 1) * buckets.low[3] >= max(radius, math.sqrt(best)):
+        reach = radius if cheapest != NONE else max(radius, math.sqrt(best))
+        if (shell - 1) * buckets.low[3] >= reach:
             break
         x0, x1 = max(cx - shell, 0), min(cx + shell, nx - 1)
         y0, y1 = max(cy - shell, 0), min(cy + shell, ny - 1)
@@ -158,11 +159,12 @@ def least_near(buckets, marks, costs, mark, radius, weights):
                         continue
                     i = buckets.first[x, y, z]
                     while i != NONE:
-                        d = apart(marks, i, mark, weights, max(best, near))
-                        if d < best:
-                            best, nearest = d, i
-                        if d <= near and costs[i] < least:
-                            cheapest, least = i, costs[i]
+                        if costs[i] < least:  # else it is not what is looked for
+                            d = apart(marks, i, mark, weights, max(best, near))
+                            if d <= near:
+                                cheapest, least = i, costs[i]
+                            elif d < best:
+                                nearest, best = i, d
                         i = buckets.after[i]
                     z += 1
     return nearest if cheapest == NONE else cheapest

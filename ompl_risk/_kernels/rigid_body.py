@@ -40,12 +40,14 @@ def rates(x, y, z, w, v1, v2, v3, o1, o2, o3, load, given):
     t1, t2, t3, f1, f2, f3 = load
     m, g = given[MASS], given[GRAVITY]
     j1, j2, j3 = given[J1], given[J2], given[J3]
-    # R, row by row. Stages are not quite of norm 1: with all squares (and not 1 - 2 (y y + z z))
-    # they are scaled alike in every direction, so that a flight does not depend on its heading.
+    # R, row by row, of a quaternion of any norm: stages are not quite of norm 1, and what is not a
+    # rotation would weigh gravity and velocity differently in every direction.
     xx, yy, zz, ww = x * x, y * y, z * z, w * w
-    r11, r12, r13 = ww + xx - yy - zz, 2.0 * (x * y - w * z), 2.0 * (x * z + w * y)
-    r21, r22, r23 = 2.0 * (x * y + w * z), ww - xx + yy - zz, 2.0 * (y * z - w * x)
-    r31, r32, r33 = 2.0 * (x * z - w * y), 2.0 * (y * z + w * x), ww - xx - yy + zz
+    n = 1.0 / (xx + yy + zz + ww)
+    k = 2.0 * n
+    r11, r12, r13 = n * (ww + xx - yy - zz), k * (x * y - w * z), k * (x * z + w * y)
+    r21, r22, r23 = k * (x * y + w * z), n * (ww - xx + yy - zz), k * (y * z - w * x)
+    r31, r32, r33 = k * (x * z - w * y), k * (y * z + w * x), n * (ww - xx - yy + zz)
     w1, w2, w3 = given[WIND], given[WIND + 1], given[WIND + 2]
     a1 = v1 - (r11 * w1 + r21 * w2 + r31 * w3)
     a2 = v2 - (r12 * w1 + r22 * w2 + r32 * w3)

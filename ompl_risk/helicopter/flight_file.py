@@ -22,8 +22,8 @@ def write_flight(path: str | Path, flight: Flight) -> None:
 
     Args:
         path: the NPZ file to write; its folder must exist. Other programs find there ``dt`` [s],
-            ``states`` (n + 1, 13), ``controls`` (n, 4), ``planned`` (n + 1, 13) at ``planned_times`` (n + 1,), ``goal`` (13,),
-            ``helicopter`` (13,) and ``format``.
+            ``states`` (n + 1, 13), ``controls`` (n, 4), ``planned`` (n + 1, 13) at
+            ``planned_times`` (n + 1,), ``goal`` (13,), ``helicopter`` (13,) and ``format``.
         flight: the flight.
 
     Raises:

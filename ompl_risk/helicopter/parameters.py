@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, as_floats, positive, readonly
+from ompl_risk._arrays import FloatArray, positive, readonly
 from ompl_risk.errors import ArgumentError
 
 Range = tuple[float, float]
@@ -167,13 +167,14 @@ class Limits:
         rate: float = 2.0,
         attitude: float = 1.1,
     ) -> None:
-        low, high = as_floats("lift", lift).tolist()
-        if not 0.0 <= low < 1.0 < high < math.inf:
-            raise ArgumentError("lift", lift, "(low, high) with 0 <= low < 1 < high, in weights")
+        allowed = "(low, high) with 0 <= low < 1 < high, in weights"
+        low, high = readonly("lift", lift, (2,), allowed).tolist()
+        if not 0.0 <= low < 1.0 < high:
+            raise ArgumentError("lift", lift, allowed)
         object.__setattr__(self, "lift", (low, high))
-        if not 0.0 < attitude <= math.pi:
+        if not 0.0 < positive("attitude", attitude) <= math.pi:
             raise ArgumentError("attitude", attitude, "above 0 and up to pi [rad]")
-        if not 0.0 < tilt < 0.5 * math.pi:
+        if not 0.0 < positive("tilt", tilt) < 0.5 * math.pi:
             raise ArgumentError("tilt", tilt, "above 0 and below pi/2 [rad]")
         rest = {
             "yaw_force": yaw_force,

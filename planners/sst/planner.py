@@ -27,13 +27,13 @@ from ompl_risk.planners.sst.tree import SparseTree
 WEIGHTS = np.array([1.0, 9.0, 1.0])
 """In the distance of two states 1 m counts as much as 1 m/s, a third of a radian, or 1 rad/s."""
 
-PRUNING = 0.015
+PRUNING = 0.012
 """Radius that a witness stands for, in distances from start to goal."""
 
-MOST_PRUNING = 5.0
+MOST_PRUNING = 4.0
 """The same at most [m]: from hover, a second's flight must lead out of it."""
 
-SELECTION = 2.0
+SELECTION = 10.0
 """Radius within which the least cost is selected, in those of the pruning."""
 
 NODES = 100_000
@@ -64,9 +64,9 @@ class SST(ob.Planner):
         si: from ``simple_setup``, or built alike.
         seed: of the samples.
         selection_radius: of the states among which the least cost is selected, as a distance [m];
-            see ``WEIGHTS``. Twice the pruning radius if left out.
-        pruning_radius: that a witness stands for [m]; 1.5 % of the distance from start to goal, but
-            at most 5 m, if left out.
+            see ``WEIGHTS``. Ten times the pruning radius if left out.
+        pruning_radius: that a witness stands for [m]; 1.2 % of the distance from start to goal, but
+            at most 4 m, if left out.
         iterations: to do in a call of ``solve``; no limit if left out. Runs with the same limit
             and seed, and enough time, give the same path.
         authority: part of each input's range about hover from which held inputs are drawn.

@@ -24,7 +24,7 @@ SHRINK = 0.85
 ROUND = 5000
 """Iterations of a round at least."""
 
-TURNS = 4
+TURNS = 2
 """Iterations of a round for each active node at least: the larger the tree, the longer."""
 
 FULL = 0.9
@@ -62,14 +62,14 @@ class Habits:
         shoot: part of the branches after which the goal is reached for.
     """
 
-    to_goal: float = 0.2
+    to_goal: float = 0.3
     held: float = 0.1
-    pushed: float = 0.4
+    pushed: float = 0.6
     shortest: float = 0.1
-    longest: float = 1.0
+    longest: float = 2.0
     near_path: float = 0.6
     near: float = 2.0
-    shoot: float = 0.5
+    shoot: float = 0.3
 
     def numbers(self, problem: Problem, radius: float) -> FloatArray:
         """The same as kernels take them, see ``_kernels.sst``."""

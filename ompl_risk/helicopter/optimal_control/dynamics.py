@@ -13,11 +13,12 @@ def rotation(state: Any) -> Any:
     """R, from body to world, of a state of 13 expressions."""
     ca = casadi()
     x, y, z, w = (state[i] for i in range(3, 7))
-    return ca.vertcat(
+    squared = ca.vertcat(
         ca.horzcat(w * w + x * x - y * y - z * z, 2 * (x * y - w * z), 2 * (x * z + w * y)),
         ca.horzcat(2 * (x * y + w * z), w * w - x * x + y * y - z * z, 2 * (y * z - w * x)),
         ca.horzcat(2 * (x * z - w * y), 2 * (y * z + w * x), w * w - x * x - y * y + z * z),
     )
+    return squared / (x * x + y * y + z * z + w * w)
 
 
 def product(a: Any, b: Any) -> list[Any]:

@@ -16,7 +16,7 @@ from ompl_risk.helicopter.optimal_control.making import Made
 from ompl_risk.helicopter.optimal_control.task import Task
 from ompl_risk.helicopter.optimal_control.vehicle import Vehicle
 
-RECIPE = 2
+RECIPE = 3
 """To be raised when manoeuvres are made in another way: what is in the folder is then void."""
 
 
