@@ -35,14 +35,16 @@ from ompl_risk._kernels.sst_tree import (
 # places in the habits
 TO_GOAL, RAW, PUSHED, SHORTEST, LONGEST, MOST_HELD, NEAR_PATH, NEAR, SHOOT = range(9)
 HABITS = 9
-"""Numbers in the habits: share of the samples that are the goal, shares of the acts that are held
-inputs and accelerations, least and most holds of an act, most holds of held inputs."""
-
-MOST_TIMES = 100
-"""Branches in a row that reach for the same at most."""
+"""Numbers in the habits: part of the acts that reach which reach for the goal; parts of the acts
+that are held inputs and accelerations; least and most holds of an act, most holds of held inputs;
+part of the samples near the best path, and how near; part of the branches after which the goal is
+reached for."""
 
 TRIES = 10
 """Samples drawn at most for one that can lie on a better path."""
+
+MOST_TIMES = 100
+"""Branches in a row at most that reach for the same."""
 
 
 class Draw(NamedTuple):
@@ -74,20 +76,16 @@ def _least_total(vehicle, starts, mark):
 
 @kernel
 def _sample(draw, tree, vehicle, best, mark):
-    """A state to select near: the goal, or any from which a better path is not ruled out."""
-    seed, allowed = draw.seed, vehicle.allowed
-    if best < math.inf and uniform(seed) < draw.habits[NEAR_PATH]:
+    """A state to select near: any from which a better path is not ruled out, or one of the best."""
+    seed, allowed, habits = draw.seed, vehicle.allowed, draw.habits
+    if best < math.inf and uniform(seed) < habits[NEAR_PATH]:
         i = tree.path[whole(seed, 0, tree.counts[PATH] - 1)]
-        x, y, z = in_ball(seed, draw.habits[NEAR])
-        u1, u2, u3 = in_ball(seed, draw.habits[NEAR])
         for k in range(MARK):
             mark[k] = tree.marks[i, k]
-        mark[0] += x
-        mark[1] += y
-        mark[2] += z
-        mark[7] += u1
-        mark[8] += u2
-        mark[9] += u3
+        x, y, z = in_ball(seed, habits[NEAR])
+        mark[0], mark[1], mark[2] = mark[0] + x, mark[1] + y, mark[2] + z
+        x, y, z = in_ball(seed, habits[NEAR])
+        mark[7], mark[8], mark[9] = mark[7] + x, mark[8] + y, mark[9] + z
         return
     for _ in range(TRIES):
         for k in range(3):
@@ -100,15 +98,14 @@ def _sample(draw, tree, vehicle, best, mark):
     s, c = math.sin(0.5 * tilt), math.cos(0.5 * tilt)
     mark[3], mark[4] = s * math.cos(aside), s * math.sin(aside)
     mark[5], mark[6] = c * math.sin(heading), c * math.cos(heading)
-    rate = vehicle.loop[TOP_RATE]
     for k in range(10, 13):
-        mark[k] = between(seed, -rate, rate)
+        mark[k] = between(seed, -vehicle.loop[TOP_RATE], vehicle.loop[TOP_RATE])
 
 
 @kernel
 def _act(draw, vehicle, mark, act):
-    """Draw what to do, and for how many holds."""
-    seed, habits, g = draw.seed, draw.habits, vehicle.given[GRAVITY]
+    """Draw what to do; for how many holds."""
+    seed, habits = draw.seed, draw.habits
     kind, longest = uniform(seed), int(habits[LONGEST])
     if kind < habits[RAW]:
         act[0] = HELD
@@ -117,58 +114,58 @@ def _act(draw, vehicle, mark, act):
         longest = min(longest, int(habits[MOST_HELD]))
     elif kind < habits[RAW] + habits[PUSHED]:
         act[0] = PUSH
-        act[1], act[2], act[3] = in_ball(seed, vehicle.loop[STEEPEST] * g)
+        act[1], act[2], act[3] = in_ball(seed, vehicle.loop[STEEPEST] * vehicle.given[GRAVITY])
         act[3] *= 0.5
+    elif uniform(seed) < habits[TO_GOAL]:
+        _reach_for_goal(seed, vehicle, act)
     else:
         act[0] = REACH
-        to_goal = uniform(seed) < habits[TO_GOAL]
         for k in range(3):
-            act[1 + k] = vehicle.goal[k] if to_goal else mark[k]
-            act[4 + k] = vehicle.goal[3 + k] if to_goal else mark[7 + k]
-        act[7] = between(seed, 0.1 * g, g)
+            act[1 + k], act[4 + k] = mark[k], mark[7 + k]
+        act[7] = between(seed, 0.1, 1.0) * vehicle.given[GRAVITY]
     return whole(seed, min(int(habits[SHORTEST]), longest), longest)
 
 
 @kernel
-def _at_goal(draw, vehicle, act):
-    """Reach for the goal."""
+def _reach_for_goal(seed, vehicle, act):
     act[0] = REACH
-    for k in range(3):
-        act[1 + k], act[4 + k] = vehicle.goal[k], vehicle.goal[3 + k]
-    act[7] = between(draw.seed, 0.1, 1.0) * vehicle.given[GRAVITY]
+    for k in range(6):
+        act[1 + k] = vehicle.goal[k]
+    act[7] = between(seed, 0.1, 1.0) * vehicle.given[GRAVITY]
 
 
 @kernel
 def _extend(tree, vehicle, ground, i, act, steps, space):
-    """Fly an act from node i, on and on if it reaches for something; the node that is added last.
+    """Fly an act from node i, on and on if it reaches for something.
 
     What ends in the goal for less than all before becomes the best path.
+
+    Returns:
+        The node that was added last, NONE if none was.
     """
-    state, mark, control, nothing, no_states = space
-    counts = tree.counts
-    again = MOST_TIMES if act[0] == REACH else 1
-    for n in range(again):
+    state, mark, control, no_controls, no_states = space
+    counts, last = tree.counts, NONE
+    for _ in range(MOST_TIMES if act[0] == REACH else 1):
         best = tree.cost[counts[BEST]] if counts[BEST] != NONE else math.inf
         for k in range(len(state)):
             state[k] = tree.states[i, k]
         flown, cost, room, reached = fly(
             vehicle, ground, state, tree.room[i], act, steps, best - tree.cost[i],
-            control, nothing, no_states,
+            control, no_controls, no_states,
         )  # fmt: skip
-        counts[STEPS] += flown
         if flown == 0:
-            return i if n > 0 else NONE
+            break
+        counts[STEPS] += flown
         counts[BRANCHES] += 1
         write_mark(state, mark)
-        cost += tree.cost[i]
-        end = offer(tree, state, mark, act, flown, i, cost, room, reached)
-        if end == NONE:
-            return i if n > 0 else NONE
-        i = end
+        i = offer(tree, state, mark, act, flown, i, tree.cost[i] + cost, room, reached)
+        if i == NONE:
+            break
+        last = i
         if reached:
             crown(tree, i, vehicle)
-            return i
-    return i
+            break
+    return last
 
 
 @entry
@@ -176,25 +173,24 @@ def grow(tree, vehicle, handle, draw, iterations):
     """Do so many iterations; whether the best path became better, upon which it returns at once."""
     stack, keys = workspace()
     ground = Ground(opened(handle), stack, keys)
-    mark, act, state, control = np.empty(MARK), np.empty(ACT), np.empty(STATE), np.empty(4)
+    mark, act, state, control = np.empty(MARK), np.zeros(ACT), np.empty(STATE), np.empty(4)
     space = state, np.empty(MARK), control, np.empty((0, 4)), np.empty((0, STATE))
     counts, hold = tree.counts, int(vehicle.settings[HOLD])
     for _ in range(iterations):
         counts[ITERATIONS] += 1
-        best = tree.cost[counts[BEST]] if counts[BEST] != NONE else math.inf
+        before = counts[BEST]
+        best = tree.cost[before] if before != NONE else math.inf
         _sample(draw, tree, vehicle, best, mark)
         i = least_near(tree.nodes, tree.marks, tree.cost, mark, tree.radii[SELECT], tree.weights)
         if i == NONE:
             return False
-        act[:] = 0.0
-        steps = hold * _act(draw, vehicle, mark, act)
-        before = counts[BEST]
-        i = _extend(tree, vehicle, ground, i, act, steps, space)
-        if counts[BEST] != before:
-            return True
-        if i != NONE and uniform(draw.seed) < draw.habits[SHOOT]:
-            _at_goal(draw, vehicle, act)
-            _extend(tree, vehicle, ground, i, act, hold*int(draw.habits[LONGEST]), space)
+        holds = _act(draw, vehicle, mark, act)
+        while True:  # the act, and perhaps a try for the goal from where it ends
+            i = _extend(tree, vehicle, ground, i, act, hold * holds, space)
             if counts[BEST] != before:
                 return True
+            if i == NONE or act[0] == REACH or uniform(draw.seed) >= draw.habits[SHOOT]:
+                break
+            _reach_for_goal(draw.seed, vehicle, act)
+            holds = int(draw.habits[LONGEST])
     return False

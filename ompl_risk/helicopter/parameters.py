@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, positive, readonly
+from ompl_risk._arrays import FloatArray, positive, readonly, real_number
 from ompl_risk.errors import ArgumentError
 
 Range = tuple[float, float]
@@ -172,10 +172,12 @@ class Limits:
         if not 0.0 <= low < 1.0 < high:
             raise ArgumentError("lift", lift, allowed)
         object.__setattr__(self, "lift", (low, high))
-        if not 0.0 < positive("attitude", attitude) <= math.pi:
-            raise ArgumentError("attitude", attitude, "above 0 and up to pi [rad]")
-        if not 0.0 < positive("tilt", tilt) < 0.5 * math.pi:
-            raise ArgumentError("tilt", tilt, "above 0 and below pi/2 [rad]")
+        allowed = "above 0 and up to pi [rad]"
+        if not 0.0 < real_number("attitude", attitude, allowed) <= math.pi:
+            raise ArgumentError("attitude", attitude, allowed)
+        allowed = "above 0 and below pi/2 [rad]"
+        if not 0.0 < real_number("tilt", tilt, allowed) < 0.5 * math.pi:
+            raise ArgumentError("tilt", tilt, allowed)
         rest = {
             "yaw_force": yaw_force,
             "tilt": tilt,
