@@ -11,6 +11,7 @@ from benchmarks import (
     anytime,
     clearance,
     distances,
+    helicopter_planners,
     large_terrain,
     objective,
     primitives,
@@ -50,6 +51,7 @@ def _registered(**modules: Any) -> Mapping[str, Benchmark]:
 
 BENCHMARKS = _registered(
     clearance=clearance,
+    helicopter_planners=helicopter_planners,
     large_terrain=large_terrain,
     objective=objective,
     primitives=primitives,

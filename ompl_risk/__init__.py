@@ -1,12 +1,13 @@
 """Rank motion plans by their risk of collision: Sobolev avoidance norms as an OMPL plug-in.
 
 ``import ompl_risk as risk`` gives the names below; scenes are in ``ompl_risk.terrains``, planners
-in ``ompl_risk.planners``.
+in ``ompl_risk.planners``, a vehicle with dynamics in ``ompl_risk.helicopter``.
 """
 
 from importlib import metadata as _metadata
 
 from ompl_risk import errors as errors
+from ompl_risk import helicopter as helicopter
 from ompl_risk import planners as planners
 from ompl_risk import terrains as terrains
 from ompl_risk.avoidance import Avoidance as Avoidance

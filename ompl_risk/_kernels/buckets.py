@@ -81,16 +81,26 @@ def apart(a, i, b, weights, bound):
 
 
 @kernel
-def place(buckets, mark, axis):
-    """Number of the bucket along an axis; what is outside belongs to the nearest."""
-    k = int(math.floor((mark[axis] - buckets.low[axis]) / buckets.low[3]))
+def place(buckets, value, axis):
+    """Number of the bucket at a coordinate [m]; what is outside belongs to the nearest."""
+    k = math.floor((value - buckets.low[axis]) / buckets.low[3])
     return min(max(k, 0), buckets.first.shape[axis] - 1)
+
+
+@kernel
+def places(buckets, mark, aside):
+    """Numbers of the bucket of a position, moved by ``aside`` along each axis [m]."""
+    return (
+        place(buckets, mark[0] + aside, 0),
+        place(buckets, mark[1] + aside, 1),
+        place(buckets, mark[2] + aside, 2),
+    )
 
 
 @kernel
 def put(buckets, i, mark):
     """Put point i into its bucket."""
-    x, y, z = place(buckets, mark, 0), place(buckets, mark, 1), place(buckets, mark, 2)
+    x, y, z = places(buckets, mark, 0.0)
     head = buckets.first[x, y, z]
     buckets.after[i], buckets.before[i] = head, NONE
     if head != NONE:
@@ -107,22 +117,16 @@ def take(buckets, i, mark):
     if left != NONE:
         buckets.after[left] = right
     else:
-        x, y, z = place(buckets, mark, 0), place(buckets, mark, 1), place(buckets, mark, 2)
+        x, y, z = places(buckets, mark, 0.0)
         buckets.first[x, y, z] = right
 
 
 @kernel
 def nearest_within(buckets, marks, mark, radius, weights):
     """The point nearest to a mark, if it is within a radius; else NONE."""
-    edge = buckets.low[3]
-    nx, ny, nz = buckets.first.shape
     found, best = NONE, radius * radius
-    x0 = max(int(math.floor((mark[0] - radius - buckets.low[0]) / edge)), 0)
-    y0 = max(int(math.floor((mark[1] - radius - buckets.low[1]) / edge)), 0)
-    z0 = max(int(math.floor((mark[2] - radius - buckets.low[2]) / edge)), 0)
-    x1 = min(int(math.floor((mark[0] + radius - buckets.low[0]) / edge)), nx - 1)
-    y1 = min(int(math.floor((mark[1] + radius - buckets.low[1]) / edge)), ny - 1)
-    z1 = min(int(math.floor((mark[2] + radius - buckets.low[2]) / edge)), nz - 1)
+    x0, y0, z0 = places(buckets, mark, -radius)
+    x1, y1, z1 = places(buckets, mark, radius)
     for x in range(x0, x1 + 1):
         for y in range(y0, y1 + 1):
             for z in range(z0, z1 + 1):
@@ -139,7 +143,7 @@ def nearest_within(buckets, marks, mark, radius, weights):
 def least_near(buckets, marks, costs, mark, radius, weights):
     """The point of least cost within a radius of a mark, or else the nearest of all."""
     nx, ny, nz = buckets.first.shape
-    cx, cy, cz = place(buckets, mark, 0), place(buckets, mark, 1), place(buckets, mark, 2)
+    cx, cy, cz = places(buckets, mark, 0.0)
     cheapest, least = NONE, math.inf
     nearest, best, near = NONE, math.inf, radius * radius
     for shell in range(max(nx, ny, nz)):

@@ -6,13 +6,12 @@ are flown on from. Nodes that are neither active nor on the way to one are given
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-from ompl_risk._kernels.branch import Vehicle, is_reached, least_cost
+from ompl_risk._kernels.branch import is_reached, least_cost
 from ompl_risk._kernels.buckets import (
     NONE,
     Buckets,

@@ -64,10 +64,8 @@ ANY = (ob.Planner,)
 ROADMAP = _named(og, "PRM")  # PRMstar derives from it
 MARCHING = _named(og, "FMT", "BFMT")
 LENGTH_ONLY = _named(og, "AORRTC")
-FEASIBLE_ONLY = (
-    *_named(og, "RRT", "RRTConnect", "KPIECE1", "BKPIECE1", "LBKPIECE1"),
-    *_named(oc, "RRT", "EST", "KPIECE1", "SyclopRRT", "SyclopEST"),
-)
+FEASIBLE_ONLY = _named(og, "RRT", "RRTConnect", "KPIECE1", "BKPIECE1", "LBKPIECE1")
+CONTROL = _named(oc, "RRT", "EST", "KPIECE1", "SyclopRRT", "SyclopEST")
 
 _OTHERS = "og.RRTstar, og.InformedRRTstar, og.SORRTstar or og.BITstar"
 _FOR_RISK = f"ompl_risk.planners.RiskRoadmap, {_OTHERS}"
@@ -142,6 +140,14 @@ WARNED: tuple[Trap, ...] = (
         what="{planner} with {objective}",
         symptom="does not look at the objective: the path is feasible, not optimised for risk",
         instead=f"solve several times and rank the paths (ompl_risk.rank), or use {_FOR_RISK}",
+    ),
+    Trap(
+        planners=CONTROL,
+        when=inspection.has_risk_objective,
+        what="{planner} with {objective}",
+        symptom="does not look at the objective: the path is feasible, not optimised for risk",
+        instead="solve several times and rank the paths (ompl_risk.rank), or for a helicopter use "
+        "ompl_risk.planners.SST, or RiskRoadmap with a HelicopterSteering",
     ),
     Trap(
         planners=MARCHING,

@@ -15,6 +15,9 @@ from ompl_risk.helicopter.flight_file import write_flight
 if TYPE_CHECKING:
     from rich.console import Console
 
+FRAMES = 120
+"""Pictures of the film."""
+
 WIDE, CLOSE = 60.0, 12.0
 """Seconds of flight in the film, and seconds that it takes."""
 
@@ -60,6 +63,7 @@ def write_flights(
                 avoidance=scene.avoidance,
                 begin=begin,
                 end=min(begin + WIDE, last),
+                frames=FRAMES,
                 seconds=CLOSE,
                 index=index,
                 progress=lambda done, total: progress.update(drawing, completed=done, total=total),

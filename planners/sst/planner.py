@@ -2,39 +2,29 @@
 
 from __future__ import annotations
 
-import math
 from typing import Any
 
 import numpy as np
 from ompl import base as ob
 from ompl import control as oc
 
-from ompl_risk._arrays import FloatArray, positive, real_number
+from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import sst_tree
-from ompl_risk._kernels.sst import Draw
 from ompl_risk.bridge.conditions import after
-from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.goals import HelicopterGoal
 from ompl_risk.helicopter.model import STATE
 from ompl_risk.helicopter.parameters import Helicopter
 from ompl_risk.planners.roadmap.worker import Worker
+from ompl_risk.planners.sst.habits import Habits
+from ompl_risk.planners.sst.options import Options
 from ompl_risk.planners.sst.problem import Problem, check_space, read_problem
 from ompl_risk.planners.sst.publishing import PathWriter, add_solution
-from ompl_risk.planners.sst.searching import Habits, Progress, Searching
+from ompl_risk.planners.sst.searching import Growth, Progress, Searching
 from ompl_risk.planners.sst.tree import SparseTree
 
 WEIGHTS = np.array([1.0, 9.0, 1.0])
 """In the distance of two states 1 m counts as much as 1 m/s, a third of a radian, or 1 rad/s."""
-
-PRUNING = 0.012
-"""Radius that a witness stands for, in distances from start to goal."""
-
-MOST_PRUNING = 4.0
-"""The same at most [m]: from hover, a second's flight must lead out of it."""
-
-SELECTION = 10.0
-"""Radius within which the least cost is selected, in those of the pruning."""
 
 NODES = 100_000
 """Of the tree at most: some 60 MB."""
@@ -106,19 +96,10 @@ class SST(ob.Planner):
     ) -> None:
         check_space(si)
         super().__init__(si, "SST")
-        if not isinstance(seed, int) or isinstance(seed, bool) or not 0 <= seed < 2**64:
-            raise ArgumentError("seed", seed, "a whole number from 0 and below 2^64")
-        if iterations is not None and (
-            not isinstance(iterations, int) or isinstance(iterations, bool) or iterations < 1
-        ):
-            raise ArgumentError("iterations", iterations, "None or a whole number from 1")
-        if not isinstance(shrink, bool):
-            raise ArgumentError("shrink", shrink, "True or False")
-        self._seed, self._iterations, self._shrink = seed, iterations, shrink
-        self._radii = _radius("selection", selection_radius), _radius("pruning", pruning_radius)
-        self._authority = real_number("authority", authority, "above 0 and up to 1")
-        if not 0.0 < self._authority <= 1.0:
-            raise ArgumentError("authority", authority, "above 0 and up to 1")
+        self._options = Options(
+            seed=seed, selection_radius=selection_radius, pruning_radius=pruning_radius,
+            iterations=iterations, authority=authority, shrink=shrink,
+        )  # fmt: skip
         self._helicopter = Helicopter() if helicopter is None else helicopter
         self._writer = PathWriter(si)
         self._habits = Habits()
@@ -126,12 +107,11 @@ class SST(ob.Planner):
 
     def _forget(self) -> None:
         self._worker: Worker | None = None
-        self._problem: Problem | None = None
-        self._tree: SparseTree | None = None
-        self._draw: Draw | None = None
+        self._growth: Growth | None = None
         self._starts: list[FloatArray] = []
         self._seconds = 0.0
         self._published: Any = None
+        self._announced: Any = None
         self.history: list[Progress] = []
         self.reason = ""
 
@@ -139,7 +119,7 @@ class SST(ob.Planner):
     def tree(self) -> SparseTree | None:
         """The tree; None before the problem is known."""
         self._leave()
-        return self._tree
+        return self._growth.tree if self._growth is not None else None
 
     def setup(self) -> None:
         """Read the problem and compile, so that ``solve`` spends its time on planning."""
@@ -148,7 +128,7 @@ class SST(ob.Planner):
         if definition is not None and isinstance(definition.getGoal(), HelicopterGoal):
             problem = self._read()
             middle = np.array(definition.getGoal().state)
-            tree, draw = self._new(problem, [middle], nodes=64)
+            _, tree, draw = self._new(problem, [middle], nodes=64)
             tree.grow(draw, 10)
             tree.scale(1.0)
             if tree.count(sst_tree.BEST) >= 0:
@@ -184,9 +164,10 @@ class SST(ob.Planner):
             self._worker = None
         self.checkValidity()
         wrong = self._open()
-        if wrong is not None:
+        growth = self._growth
+        if wrong is not None or growth is None:
             return ob.PlannerStatus(wrong)
-        work = self._work()
+        work = self._work(growth)
         self._worker = Worker(work, abandon=True)
         try:
             self._worker.wait(condition, lambda: self._publish(work))
@@ -196,16 +177,14 @@ class SST(ob.Planner):
             self._explain()
         return self._status()
 
-    def _work(self) -> Searching:
+    def _work(self, growth: Growth) -> Searching:
         return Searching(
-            self._problem,
-            self._tree,
-            self._draw,
+            growth,
             habits=self._habits,
             enough=self._satisfied(),
-            shrink=self._shrink,
+            shrink=self._options.shrink,
             seconds=self._seconds,
-            iterations=self._iterations,
+            iterations=self._options.iterations,
             history=self.history,
         )
 
@@ -227,13 +206,12 @@ class SST(ob.Planner):
         if not self._starts:
             self.reason = "no start state that is within the bounds, the limits, and free"
             return ob.PlannerStatus.INVALID_START
-        if self._tree is None:
-            self._problem = self._read()
-            self._tree, self._draw = self._new(self._problem, self._starts, nodes=NODES)
-            if self._tree.count(sst_tree.NODES) == 0:
-                self._tree = None
+        if self._growth is None:
+            growth = self._new(self._read(), self._starts, nodes=NODES)
+            if growth.tree.count(sst_tree.NODES) == 0:
                 self.reason = "no start state with a millimetre of clearance"
                 return ob.PlannerStatus.INVALID_START
+            self._growth = growth
         return None
 
     def _read(self) -> Problem:
@@ -243,52 +221,39 @@ class SST(ob.Planner):
             self.getSpaceInformation(), definition.getGoal(), objective, self._helicopter
         )
 
-    def _new(
-        self, problem: Problem, starts: list[FloatArray], *, nodes: int
-    ) -> tuple[SparseTree, Draw]:
+    def _new(self, problem: Problem, starts: list[FloatArray], *, nodes: int) -> Growth:
         """A tree with its starts, and how it grows."""
-        vehicle = problem.vehicle
+        vehicle, options = problem.vehicle, self._options
         low, high = problem.box
         way = min(float(np.linalg.norm(start[:3] - vehicle.goal[:3])) for start in starts)
-        select, prune = self._radii
-        prune = min(max(PRUNING * way, 0.5), MOST_PRUNING) if prune is None else prune
-        select = SELECTION * prune if select is None else select
+        radii = options.radii(way)
         tree = SparseTree(
-            vehicle, problem.handle, low=low, high=high, weights=WEIGHTS, radii=(select, prune),
-            most=nodes,
-        )  # fmt: skip
+            vehicle, problem.handle, low=low, high=high, weights=WEIGHTS, radii=radii, most=nodes
+        )
         for start in starts:
             tree.plant(start)
-        part = self._authority
-        draw = Draw(
-            seed=np.array([self._seed], dtype=np.uint64),
-            habits=self._habits.numbers(problem, prune),
-            low=problem.hover + part * (vehicle.low - problem.hover),
-            high=problem.hover + part * (vehicle.high - problem.hover),
-            starts=np.array(starts),
+        draw = self._habits.draw(
+            problem, starts, seed=options.seed, authority=options.authority, radius=radii[1]
         )
-        return tree, draw
+        return Growth(problem, tree, draw)
 
     def _publish(self, work: Searching) -> None:
         """Make a better path OMPL's solution."""
-        found = work.found
-        problem = self._problem
-        if found is None or problem is None:
+        found, growth = work.found, self._growth
+        if found is None or found is self._announced or growth is None:
             return
-        cost, flight = found
+        (cost, flight), problem = found, growth.problem
         path = self._writer.path(flight, problem.hold, problem.longest_hold)
         add_solution(
             self.getProblemDefinition(), path, cost, self.getName(), self._published,
             lambda other: problem.cost(self._writer.states(other)),
         )  # fmt: skip
-        self._published = path
-        if work.found is found:
-            work.found = None
+        self._published, self._announced = path, found
 
     def _explain(self) -> None:
-        tree = self._tree
-        self.reason = ""
-        if self._published is None and tree is not None:
+        growth, self.reason = self._growth, ""
+        if self._published is None and growth is not None:
+            tree = growth.tree
             nodes, done = tree.count(sst_tree.NODES), tree.count(sst_tree.ITERATIONS)
             self.reason = (
                 f"no path in a tree of {nodes} nodes after {done} iterations: more time, inputs of "
@@ -308,12 +273,3 @@ class SST(ob.Planner):
         if self._worker is not None:
             self._worker.join()
             self._worker = None
-
-
-def _radius(name: str, value: float | None) -> float | None:
-    if value is None:
-        return None
-    radius = positive(f"{name}_radius", value)
-    if not math.isfinite(radius):
-        raise ArgumentError(f"{name}_radius", value, "None or a finite distance above 0 [m]")
-    return radius

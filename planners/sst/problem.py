@@ -142,6 +142,7 @@ def check_space(si: Any) -> None:
 
 
 def _is_plain(clearance: Any) -> bool:
+    """Whether compiled code computes what the clearance does."""
     return type(clearance) is TerrainClearance
 
 
@@ -169,7 +170,9 @@ def _counted(objective: Any, clearance: TerrainClearance) -> Risk | None:
 def _range(si: Any) -> tuple[FloatArray, FloatArray]:
     """Bounds of the inputs."""
     bounds = si.getControlSpace().getBounds()
-    low, high = (np.array([float(side[k]) for k in range(CONTROL)]) for side in (bounds.low, bounds.high))
+    low, high = (
+        np.array([float(side[k]) for k in range(CONTROL)]) for side in (bounds.low, bounds.high)
+    )
     if not (np.isfinite(low) & np.isfinite(high) & (low < high)).all() or not high[0] > 0.0:
         allowed = "finite, low below high, as from control_space"
         raise ArgumentError("bounds of the control space", [low.tolist(), high.tolist()], allowed)
@@ -184,7 +187,15 @@ def _loop(hold: float, limits: Any, helicopter: Helicopter, spare: FloatArray) -
     brake = 0.5 * torque / max(helicopter.inertia[:2])
     steepest = math.tan(min(0.9 * limits.attitude, 1.4))
     return np.array(
-        [rate, attitude, min(1.5, attitude / 2.5), 0.95 * limits.speed, 0.9 * limits.rate, steepest, brake]
+        [
+            rate,
+            attitude,
+            min(1.5, attitude / 2.5),
+            0.95 * limits.speed,
+            0.9 * limits.rate,
+            steepest,
+            brake,
+        ]
     )
 
 
@@ -209,7 +220,9 @@ def _check_motion(si: Any, helicopter: Helicopter, vehicle: Vehicle, hover: Floa
     si.propagate(begin, held, 3, end)
     space.serialize(after.capsule, end)
     wanted = np.empty(STATE)
-    rigid_body.hold(state.numbers, control.numbers, vehicle.settings[0], 3, helicopter.given, wanted)
+    rigid_body.hold(
+        state.numbers, control.numbers, vehicle.settings[0], 3, helicopter.given, wanted
+    )
     if not np.allclose(after.numbers, wanted, rtol=SAME, atol=SAME):
         allowed = "the one of the propagator: after three steps the states differ"
         raise ArgumentError("helicopter", helicopter, allowed)

@@ -78,7 +78,12 @@ def runs(controls: FloatArray, hold: int, longest: int) -> list[tuple[int, int]]
 
 
 def add_solution(
-    problem: Any, path: oc.PathControl, cost: float, name: str, own: Any, cost_of: Callable[[Any], float]
+    problem: Any,
+    path: oc.PathControl,
+    cost: float,
+    name: str,
+    own: Any,
+    cost_of: Callable[[Any], float],
 ) -> None:
     """Make a path the solution, unless a better one of another planner is there.
 

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
 from typing import NamedTuple
 
-import numpy as np
-
-from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import sst_tree
 from ompl_risk._kernels.sst import Draw
+from ompl_risk.planners.sst.habits import Habits
 from ompl_risk.planners.sst.problem import Problem
 from ompl_risk.planners.sst.tree import Flight, SparseTree
 
@@ -48,48 +45,20 @@ class Progress(NamedTuple):
     nodes: int
 
 
-@dataclass(frozen=True)
-class Habits:
-    """How branches are drawn.
+class Growth(NamedTuple):
+    """A tree, what it is for, and how it grows."""
 
-    Attributes:
-        to_goal: part of the acts that reach for something which reach for the goal.
-        held: part of the acts that are inputs held.
-        pushed: part of the acts that are accelerations held; the rest reach for what was sampled.
-        shortest, longest: of an act [s]; inputs are held for at most half as long.
-        near_path: part of the samples that are near the best path.
-        near: how near, in radii of the pruning.
-        shoot: part of the branches after which the goal is reached for.
-    """
-
-    to_goal: float = 0.3
-    held: float = 0.1
-    pushed: float = 0.6
-    shortest: float = 0.1
-    longest: float = 2.0
-    near_path: float = 0.6
-    near: float = 2.0
-    shoot: float = 0.3
-
-    def numbers(self, problem: Problem, radius: float) -> FloatArray:
-        """The same as kernels take them, see ``_kernels.sst``."""
-        hold = problem.hold * problem.step
-        least, most = (max(round(t / hold), 1) for t in (self.shortest, self.longest))
-        held = min(max(most // 2, 1), problem.longest_hold // problem.hold)
-        parts = (self.to_goal, self.held, self.pushed)
-        return np.array(
-            [*parts, least, most, held, self.near_path, self.near * radius, self.shoot]
-        )
+    problem: Problem
+    tree: SparseTree
+    draw: Draw
 
 
 class Searching:
     """What a planner does until it is stopped.
 
     Args:
-        problem: the problem.
-        tree: with its starts.
-        draw: how branches are drawn.
-        habits: what ``draw`` is made from.
+        growth: the tree with its starts.
+        habits: what its branches are drawn by.
         enough: whether a cost satisfies.
         shrink: whether the radii shrink.
         seconds: spent before, for the history.
@@ -97,14 +66,12 @@ class Searching:
         history: where a row for each better path is added.
 
     Attributes:
-        found: the last better flight and its cost; None if there is no new one.
+        found: the last better flight and its cost; None if there is none.
     """
 
     def __init__(
         self,
-        problem: Problem,
-        tree: SparseTree,
-        draw: Draw,
+        growth: Growth,
         *,
         habits: Habits,
         enough: Callable[[float], bool],
@@ -113,10 +80,11 @@ class Searching:
         iterations: int | None,
         history: list[Progress],
     ) -> None:
-        self._problem, self._tree, self._draw, self._habits = problem, tree, draw, habits
+        self._problem, self._tree, self._draw = growth
+        self._habits = habits
         self._enough, self._shrink, self._history = enough, shrink, history
         self._begin = time.monotonic() - seconds
-        first = tree.count(sst_tree.ITERATIONS)
+        first = self._tree.count(sst_tree.ITERATIONS)
         self._last = None if iterations is None else first + iterations
         self.found: tuple[float, Flight] | None = None
 
@@ -146,8 +114,11 @@ class Searching:
         return done or tree.count(sst_tree.ACTIVE) == 0 or self._enough(tree.cost)
 
     def _take(self) -> None:
+        """Fly the best path again, and let its cost be what the states say."""
         flight = self._tree.flight()
         cost = self._problem.cost(flight.states)
+        if self._history and not cost < self._history[-1].cost:
+            return  # better by less than rounding
         self._history.append(Progress(self.seconds, cost, self._tree.count(sst_tree.NODES)))
         self.found = cost, flight
 
@@ -158,12 +129,12 @@ class Searching:
         if done % CHUNK:
             return
         share = max(tree.count(sst_tree.NODES), tree.count(sst_tree.WITNESSES)) / tree.most
+        round_over = done - tree.round >= max(ROUND, TURNS * tree.count(sst_tree.ACTIVE))
         factor = 1.0
         if share > FULL:
             factor = 1.0 / SHRINK
-        elif self._shrink and share < HALF_FULL:
-            if done - tree.round >= max(ROUND, TURNS * tree.count(sst_tree.ACTIVE)):
-                factor = SHRINK
+        elif self._shrink and share < HALF_FULL and round_over:
+            factor = SHRINK
         if factor != 1.0:
             tree.scale(factor)
             self._draw.habits[:] = self._habits.numbers(self._problem, tree.pruning)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -123,7 +124,7 @@ class SparseTree:
         nodes = np.empty(self.count(sst_tree.NODES), dtype=np.int32)
         nodes = nodes[: sst_tree.lineage(tree, self.count(sst_tree.BEST), nodes)]
         states, controls = [tree.states[nodes[0]][None].copy()], []
-        for before, node in zip(nodes[:-1], nodes[1:], strict=True):
+        for before, node in pairwise(nodes):
             n = int(tree.steps[node])
             new_controls, new_states = np.empty((n, 4)), np.empty((n, STATE))
             branch.fly_again(
