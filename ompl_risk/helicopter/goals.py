@@ -3,19 +3,27 @@
 from __future__ import annotations
 
 import math
+from itertools import cycle
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 from ompl import base as ob
+from scipy.spatial.transform import Rotation
 
-from ompl_risk._arrays import positive, real_number
+from ompl_risk._arrays import FloatArray, positive, real_number
 from ompl_risk._kernels import flight_checks
 from ompl_risk.bridge import faults
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.buffers import Buffer, table
 from ompl_risk.helicopter.model import STATE, as_state, world_velocity
 from ompl_risk.helicopter.validity import HelicopterValidityChecker
+
+HEADINGS = 16
+"""Headings with which a hover may be reached."""
+
+STILL = 1e-9
+"""Velocities [m/s] and angular velocities [rad/s] up to which a state hovers."""
 
 
 class HelicopterGoal(ob.GoalSampleableRegion):
@@ -26,8 +34,9 @@ class HelicopterGoal(ob.GoalSampleableRegion):
         max(|x - x*| / radius, |R v - u*| / tolerance) <= 1
 
     with u* the velocity in the world. A hover is u* = 0, its tolerance the greatest speed. The
-    orientation does not count. Planners that sample goals get the state in the middle, so it must
-    be valid; that is checked if the space information has its checker already.
+    orientation does not count. Planners that sample goals get the state in the middle, and if it
+    hovers the same with other headings, all round; so it must be valid, which is checked if the
+    space information has its checker already.
 
     Args:
         si: over a space from ``state_space``.
@@ -63,7 +72,8 @@ class HelicopterGoal(ob.GoalSampleableRegion):
         space: Any = si.getStateSpace()
         self._read, self._write = space.serialize, space.deserialize
         self._here, self._middle = Buffer(STATE), Buffer(STATE)
-        self._middle.numbers[:] = self.state
+        self._samples = _all_round(self.state)
+        self._next = cycle(range(len(self._samples)))
         self._wanted = np.array(
             [*self.state[:3], *world_velocity(self.state), self.radius, self.tolerance]
         )
@@ -80,16 +90,29 @@ class HelicopterGoal(ob.GoalSampleableRegion):
             return math.inf
 
     def sampleGoal(self, state: ob.State) -> None:
-        """Write the state in the middle."""
+        """Write the state in the middle, each time with the next heading if it hovers."""
         try:
+            self._middle.numbers[:] = self._samples[next(self._next)]
             self._write(state, self._middle.capsule)
         except BaseException as error:
             if not faults.keep(error):
                 raise
 
     def maxSampleCount(self) -> int:
-        """One."""
-        return 1
+        """One, or as many as there are headings to hover with."""
+        return len(self._samples)
+
+
+def _all_round(state: FloatArray) -> FloatArray:
+    """The state, and if it hovers the same with other headings, shape (n, 13)."""
+    if np.abs(state[7:]).max() > STILL:
+        return state[None].copy()
+    angles = 2.0 * np.pi * np.arange(HEADINGS) / HEADINGS
+    turns = Rotation.from_rotvec(angles[:, None] * np.array([0.0, 0.0, 1.0]))
+    states = np.tile(state, (HEADINGS, 1))
+    states[:, 3:7] = (turns * Rotation.from_quat(state[3:7])).as_quat()
+    states[0] = state
+    return states
 
 
 def _tolerance(value: float) -> float:

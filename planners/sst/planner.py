@@ -126,13 +126,10 @@ class SST(ob.Planner):
         super().setup()
         definition: Any = self.getProblemDefinition()
         if definition is not None and isinstance(definition.getGoal(), HelicopterGoal):
-            problem = self._read()
-            middle = np.array(definition.getGoal().state)
+            problem, middle = self._read(), np.array(definition.getGoal().state)
             _, tree, draw = self._new(problem, [middle], nodes=64)
-            tree.grow(draw, 10)
-            tree.scale(1.0)
-            if tree.count(sst_tree.BEST) >= 0:
-                problem.cost(tree.flight().states)
+            tree.compile(draw)
+            problem.cost(middle[None])
 
     def clear(self) -> None:
         """Forget the tree and what was found."""
@@ -163,10 +160,11 @@ class SST(ob.Planner):
                 return self._status()
             self._worker = None
         self.checkValidity()
-        wrong = self._open()
-        growth = self._growth
-        if wrong is not None or growth is None:
+        wrong, growth = self._open(), self._growth
+        if wrong is not None:
             return ob.PlannerStatus(wrong)
+        if growth is None:
+            return self._status()
         work = self._work(growth)
         self._worker = Worker(work, abandon=True)
         try:
@@ -193,26 +191,35 @@ class SST(ob.Planner):
 
     def _open(self) -> Any:
         """Make the tree the first time; the status to return if there is no problem to solve."""
-        inputs: Any = self.getPlannerInputStates()
-        state = Buffer(STATE)
-        space: Any = self.getSpaceInformation().getStateSpace()
         goal: Any = self.getProblemDefinition().getGoal()
         if not isinstance(goal, HelicopterGoal):
             self.reason = f"the goal, {type(goal).__name__}, is no HelicopterGoal"
             return ob.PlannerStatus.UNRECOGNIZED_GOAL_TYPE
+        self._starts += self._new_starts()
+        if self._growth is None and self._starts:
+            growth = self._new(self._read(), self._starts, nodes=NODES)
+            if growth.tree.count(sst_tree.NODES) > 0:
+                self._growth = growth
+        if self._growth is None:
+            self.reason = "no start state that is within the bounds and limits, and free"
+            return ob.PlannerStatus.INVALID_START
+        return None
+
+    def _new_starts(self) -> list[FloatArray]:
+        """Starts that OMPL has not given before; those that come late take part at once."""
+        inputs: Any = self.getPlannerInputStates()
+        space: Any = self.getSpaceInformation().getStateSpace()
+        state, found = Buffer(STATE), []
         while (start := inputs.nextStart()) is not None:
             space.serialize(state.capsule, start)
-            self._starts.append(state.numbers.copy())
-        if not self._starts:
-            self.reason = "no start state that is within the bounds, the limits, and free"
-            return ob.PlannerStatus.INVALID_START
-        if self._growth is None:
-            growth = self._new(self._read(), self._starts, nodes=NODES)
-            if growth.tree.count(sst_tree.NODES) == 0:
-                self.reason = "no start state with a millimetre of clearance"
-                return ob.PlannerStatus.INVALID_START
-            self._growth = growth
-        return None
+            found.append(state.numbers.copy())
+        if found and self._growth is not None:
+            problem, tree, draw = self._growth
+            for start in found:
+                tree.plant(start)
+            everywhere = np.concatenate([draw.starts, found])
+            self._growth = Growth(problem, tree, draw._replace(starts=everywhere))
+        return found
 
     def _read(self) -> Problem:
         definition: Any = self.getProblemDefinition()

@@ -150,7 +150,11 @@ def _counted(objective: Any, clearance: TerrainClearance) -> Risk | None:
     """How an objective counts risk."""
     if objective is None or type(objective) is ob.PathLengthOptimizationObjective:
         return None
-    if type(objective) is not RiskObjective:
+    plain = isinstance(objective, RiskObjective) and all(
+        getattr(type(objective), name) is getattr(RiskObjective, name)
+        for name in ("stateCost", "motionCost")
+    )
+    if not plain:
         raise ArgumentError("objective", type(objective).__name__, OBJECTIVES)
     risk, counted = objective.risk, objective.clearance
     if math.isinf(risk.exponent):

@@ -108,6 +108,17 @@ class SparseTree:
         sst_tree.witness_anew(self.arrays, order, select, prune)
         self.round = self.count(sst_tree.ITERATIONS)
 
+    def compile(self, draw: sst.Draw) -> None:
+        """Compile what a search calls, or load it from numba's cache."""
+        self.grow(draw, 1)
+        self.scale(1.0)
+        nodes = np.empty(len(self.arrays.cost), dtype=np.int32)
+        sst_tree.lineage(self.arrays, self.count(sst_tree.BEST), nodes)
+        state, act = np.zeros(STATE), np.zeros(ACT)
+        state[6] = 1.0
+        nothing, nowhere = np.empty((0, 4)), np.empty((0, STATE))
+        branch.fly_again(self.vehicle, self.handle, state, 0.0, act, 0, nothing, nowhere)
+
     def count(self, which: int) -> int:
         """One of ``sst_tree.COUNTS``."""
         return int(self.arrays.counts[which])

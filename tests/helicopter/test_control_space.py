@@ -208,6 +208,23 @@ def test_without_a_tolerance_any_velocity_will_do(si):
     assert goal.distanceGoal(ompl_state(si, fast)) == pytest.approx(0.5)
 
 
+def test_planners_that_sample_hovers_get_every_heading(si):
+    middle = model.make_state((50, 50, 30), heading=1.0)
+    goal, state = HelicopterGoal(si, middle), si.allocState()
+    assert goal.maxSampleCount() == 16
+    headings = []
+    for k in range(17):
+        goal.sampleGoal(state)
+        found = numbers(si, state)
+        assert goal.distanceGoal(state) == 0.0
+        assert (found[[0, 1, 2, 7, 8, 9, 10, 11, 12]] == middle[[0, 1, 2, *range(7, 13)]]).all()
+        headings.append(2.0 * math.atan2(found[5], found[6]))
+        assert k > 0 or (found == middle).all()
+    turned = (np.array(headings) - 1.0) % (2.0 * math.pi)
+    np.testing.assert_allclose(turned[:16], np.arange(16) * math.pi / 8.0, atol=1e-12)
+    assert headings[16] == headings[0]
+
+
 def test_planners_that_sample_goals_get_the_middle(si):
     middle = model.make_state((50, 50, 30), heading=1.0, velocity=(8, 0, 0))
     goal, state = HelicopterGoal(si, middle), si.allocState()

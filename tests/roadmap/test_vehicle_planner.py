@@ -190,3 +190,10 @@ def test_a_wider_obstacle_than_the_objectives_is_kept_clear_of(clearance):
     assert setup.solve(60.0)
     states = planner.roadmap.best.states[:, :3]
     assert wide(np.ascontiguousarray(states)).min() > 0.0
+
+
+def test_a_hover_is_reached_with_any_heading(solved):
+    _, planner = solved
+    headings = planner.roadmap.states[planner.roadmap.goals, 3] % (2.0 * np.pi)
+    assert len(headings) == 16
+    np.testing.assert_allclose(np.diff(np.sort(headings)), np.pi / 8.0, atol=1e-9)
