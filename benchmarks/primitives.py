@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import time
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -9,9 +10,10 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.metric import Metric, Target, Tolerance, figure
+from benchmarks.metric import Metric, Target, Tolerance, error, figure
 from ompl_risk import TerrainClearance, terrains
 from ompl_risk.cli.settings import PLACES
+from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.steering import HelicopterSteering
 from ompl_risk.motion import Risk
 from ompl_risk.planners import Problem, low_level_flight
@@ -26,6 +28,8 @@ class Config:
     """How much is measured.
 
     Attributes:
+        terrain: name or file.
+        start, goal: (x, y) [m], where flights hover 60 m above the ground.
         places: of the roadmap, as many as are free, each with a vertex for every cruise speed.
         alternatives: how many are asked for.
         excess: of their duration over the fastest.
@@ -34,6 +38,9 @@ class Config:
         repeats: of everything.
     """
 
+    terrain: str = "jacksboro"
+    start: tuple[float, float] = PLACES["jacksboro"]["start"]
+    goal: tuple[float, float] = PLACES["jacksboro"]["goal"]
     places: int = 3000
     alternatives: int = 50
     excess: float = 0.05
@@ -47,9 +54,8 @@ QUICK = Config(connections=50_000, repeats=3)
 
 def measure(config: Config, seed: int, say: Callable[[str], None]) -> Iterator[Metric]:
     """Times of roadmap, alternatives, flights and connections; see ``Config``."""
-    clearance = TerrainClearance(terrains.load("jacksboro"), 5.0)
-    ends = PLACES["jacksboro"]
-    problem = low_level_flight(clearance, ends["start"], ends["goal"])
+    clearance = TerrainClearance(terrains.load(config.terrain), 5.0)
+    problem = low_level_flight(clearance, config.start, config.goal)
     steering = HelicopterSteering()
     say(f"{config.repeats} roadmaps of {config.places} places, {config.alternatives} alternatives")
     yield from _roadmaps(config, problem, steering, seed)
@@ -79,7 +85,7 @@ def _roadmaps(
         return
     name = f"{config.places} places, {config.alternatives} alternatives"
     note = (
-        f"{roadmap.n} vertices, {roadmap.edges.m} edges, of {roadmap.evaluated} the H1 risk; "
+        f"{roadmap.n} vertices, {roadmap.edges.m} edges, the H1 risk of {roadmap.evaluated} of them; "
         "on the wall, all threads"
     )
     both = [a + b for a, b in zip(built[1:], found[1:], strict=True)]
@@ -93,19 +99,21 @@ def _roadmaps(
         "flight along a route", flown[1:], "s", tolerance=SLOWER,
         note="inputs and states at 50 Hz, corrections included",
     )  # fmt: skip
-    replayed = [float(np.abs(one.replay()[:, :3] - one.states[:, :3]).max()) for one in flights]
-    yield figure(
-        "replay of the inputs, from the flight", max(replayed), "m", target=Target(0.5),
-        note=f"{len(flights)} flights of {flights[0].length / 1000:.0f} km",
-    )  # fmt: skip
+    yield from _exactness(flights)
+
+
+def _exactness(flights: list[Flight]) -> Iterator[Metric]:
+    """How far flights are from what their inputs lead to, and from what was planned."""
+    nothing = [math.nan]  # which is wrong: without a flight nothing was shown
+    length = max((one.length for one in flights), default=0.0)
+    note = f"{len(flights)} flights of up to {length / 1000:.1f} km"
+    replayed = [float(np.abs(one.replay() - one.states).max()) for one in flights]
+    name = "replay of the inputs, from the flight"
+    yield error(name, replayed or nothing, "", 0.0, f"{note}; any of the 13 numbers of a state")
     apart = [one.deviation for one in flights]
-    yield figure(
-        "flight, from the plan", max(one.distance for one in apart), "m", target=Target(0.5)
-    )
-    yield figure(
-        "attitude of the flight, from the plan", max(one.degrees for one in apart), "deg",
-        target=Target(1.0),
-    )  # fmt: skip
+    distances, angles = [one.distance for one in apart], [one.degrees for one in apart]
+    yield error("flight, from the plan", distances or nothing, "m", 0.5, note)
+    yield error("attitude of the flight, from the plan", angles or nothing, "deg", 1.0, note)
 
 
 def _sampled(places: int, problem: Problem, steering: HelicopterSteering, seed: int) -> int:

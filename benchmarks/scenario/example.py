@@ -14,11 +14,16 @@ from ompl_risk.report import flight_views, ranking_figure
 SEED = 1
 
 
-def draw_example(folder: Path, out: Console) -> None:
-    """Fly the default pair of ``ompl-risk plan``, judge it as all the others, and draw it."""
-    places = PLACES["jacksboro"]
-    ends = procedure.Pair(places["start"], places["goal"])
-    judgement = procedure.judged(procedure.flights(ends, SEED, threads=None))
+def draw_example(folder: Path, out: Console, *, places: int = procedure.PLACES) -> None:
+    """Fly the default pair of ``ompl-risk plan``, judge it as all the others, and draw it.
+
+    Args:
+        folder: where to.
+        out: gets the ranking, and whether the findings hold.
+        places: of the roadmap.
+    """
+    ends = procedure.Pair(**PLACES["jacksboro"])
+    judgement = procedure.judged(procedure.flights(ends, SEED, places=places, threads=None))
     ranking, terrain = judgement.ranking, procedure.scene().terrain
     out.print(ranking)
     found = claims(ranking.orders, ranking.pc_orders)

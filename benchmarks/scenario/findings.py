@@ -66,6 +66,26 @@ def claims(orders: Orders, pc_orders: Orders) -> dict[str, bool]:
     return {**found, "all three": all(found.values())}
 
 
+def claims_with_ties(record: Mapping[str, Any]) -> dict[str, bool]:
+    """The same for a record, where flights that a norm ties count in either order.
+
+    Orders put the shorter of two tied flights first. Ties are common by L-infinity: flights that
+    share their riskiest place have it to the last bit.
+    """
+    truth = record["pc orders"][REFERENCE]
+    pc, f = (
+        {label: [record[table][name][label] for name in truth] for label in record["orders"]}
+        for table in ("pc norms", "norms")
+    )
+    finders = [label for label, values in f.items() if values[0] == min(values)]
+    found = {
+        "pc norms agree": all(values == sorted(values) for values in pc.values()),
+        "all find riskiest": all(values[-1] == max(values) for values in f.values()),
+        "only H1 finds safest": finders == ["H1"],
+    }
+    return {**found, "all three": all(found.values())}
+
+
 def hits(records: Sequence[Mapping[str, Any]], end: int) -> dict[str, dict[str, Share]]:
     """How often each norm of f finds the safest (end 0) or riskiest (-1) of each norm of P_c."""
     labels = list(records[0]["orders"]) if records else []

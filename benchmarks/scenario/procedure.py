@@ -93,10 +93,19 @@ def problem(ends: Pair) -> Problem:
     )
 
 
-def flights(ends: Pair, seed: int, *, threads: int | None = 1) -> list[Trajectory]:
-    """The flights of a pair, the fastest first; five, or fewer if there are no more."""
+def flights(
+    ends: Pair, seed: int, *, places: int = PLACES, threads: int | None = 1
+) -> list[Trajectory]:
+    """The flights of a pair, the fastest first; five, or fewer if there are no more.
+
+    Args:
+        ends: of the flights.
+        seed: of the roadmap.
+        places: of the roadmap; any other number than the default is another procedure.
+        threads: of compiled code; None uses all processors.
+    """
     task = problem(ends)
-    roadmap = flight_roadmap(task, steering(), places=PLACES, seed=seed, threads=threads)
+    roadmap = flight_roadmap(task, steering(), places=places, seed=seed, threads=threads)
     found = equal_time_flights(
         roadmap,
         task,

@@ -4,24 +4,40 @@ from __future__ import annotations
 
 import json
 import time
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
 from benchmarks.campaign.run import code
 from benchmarks.scenario import procedure
 from benchmarks.scenario.findings import REFERENCE, claims
+from benchmarks.scenario.fingerprint import differences, fingerprint
+from ompl_risk.errors import ArgumentError
 
 Record = dict[str, Any]
 
+ALWAYS = ("seed", "pair", "status")
+CONTENTS = {
+    "judged": ("durations", "norms", "pc norms", "orders", "pc orders", "tau", "claims"),
+    "fewer": ("flights",),
+    "failed": ("reason",),
+}
+"""What every record has, and what it has besides by its status."""
 
-def evaluate(seed: int, number: int) -> Record:
+
+def evaluate(seed: int, number: int, places: int = procedure.PLACES) -> Record:
     """Plan, fly and judge a pair; a failure is a record too."""
     begin = time.perf_counter()
-    record: Record = {"seed": seed, "pair": number, "code": code()}
+    record: Record = {
+        "seed": seed,
+        "pair": number,
+        "procedure": fingerprint(places),
+        "code": code(),
+    }
     try:
         ends = procedure.pair(seed, number)
         record |= {"start": list(ends.start), "goal": list(ends.goal)}
-        record |= _found(procedure.flights(ends, number + 1))
+        record |= _found(procedure.flights(ends, number + 1, places=places))
     except Exception as error:  # the others go on
         record |= {"status": "failed", "reason": f"{type(error).__name__}: {error}"}
     return {**record, "seconds": round(time.perf_counter() - begin, 2)}
@@ -63,13 +79,54 @@ def keep(folder: Path, record: Record) -> None:
     draft.replace(path)
 
 
-def kept(folder: Path, seed: int, count: int) -> dict[int, Record]:
-    """Records of the first pairs that are there, of this seed and procedure."""
+def kept(
+    folder: Path,
+    seed: int,
+    count: int,
+    places: int = procedure.PLACES,
+    *,
+    say: Callable[[str], object] = lambda _message: None,
+) -> dict[int, Record]:
+    """Records of the first pairs that are there.
+
+    Args:
+        folder: where.
+        seed: of the pairs.
+        count: how many of them are of interest.
+        places: of the roadmaps.
+        say: called with a message for each file that is no record of its pair; the pair counts as
+            not done.
+
+    Raises:
+        ArgumentError: a record of another seed or procedure. It is neither counted with the others
+            nor written over.
+    """
     found = {}
     for number in range(count):
         path = path_of(folder, number)
-        if path.exists():
-            record = json.loads(path.read_text(encoding="utf-8"))
-            if record["seed"] == seed:
-                found[number] = record
+        try:
+            record = _read(path, number)
+        except FileNotFoundError:
+            continue
+        except (OSError, ValueError) as error:
+            say(f"{path} is no record of pair {number} ({error}): the pair counts as not done")
+            continue
+        what = " and ".join(differences(record, seed, places))
+        if what:
+            allowed = "another folder, as this one holds pairs of another seed or procedure"
+            raise ArgumentError("output", str(folder), f"{allowed} ({path.name}: {what})")
+        found[number] = record
     return found
+
+
+def _read(path: Path, number: int) -> Record:
+    """A record from its file; a ValueError says what is missing."""
+    record = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(record, dict):
+        raise ValueError("no object")
+    wanted = {*ALWAYS, *CONTENTS.get(record.get("status", ""), ())}
+    if missing := sorted(wanted - record.keys()):
+        raise ValueError(f"without {', '.join(missing)}")
+    if record["pair"] != number or record["status"] not in CONTENTS:
+        raise ValueError(f"pair {record['pair']!r}, status {record['status']!r}")
+    return record

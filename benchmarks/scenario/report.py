@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from rich.table import Table
 
-from benchmarks.scenario.findings import CLAIMS, REFERENCE, Share, hits
+from benchmarks.scenario.findings import CLAIMS, REFERENCE, Share, claims_with_ties, hits
 
 Records = Sequence[Mapping[str, Any]]
 
@@ -23,15 +23,29 @@ def judged(records: Records) -> list[Mapping[str, Any]]:
 def notes(records: Records) -> list[str]:
     """What became of the pairs."""
     counts = Counter(record["status"] for record in records)
-    found = [f"{len(records)} pairs: {', '.join(f'{n} {what}' for what, n in counts.items())}"]
+    found = [", ".join([f"{len(records)} pairs", *(f"{n} {what}" for what, n in counts.items())])]
     spreads = [_spread(record) for record in judged(records)]
     if spreads:
         found.append(
             f"durations of the five differ by {100 * float(np.median(spreads)):.1f} % in the "
             f"median, {100 * max(spreads):.1f} % at most"
         )
+    found += _ties(judged(records))
     found += [f"pair {r['pair']}: {r['reason']}" for r in records if r["status"] == "failed"]
     return found
+
+
+def _ties(sets: Records) -> Iterator[str]:
+    """Which norms tie flights, and in how many sets."""
+    for table, what in (("norms", "f"), ("pc norms", "P_c")):
+        values = [list(record[table].values()) for record in sets]
+        for label in sets[0]["orders"] if sets else ():
+            tied = sum(len({norms[label] for norms in five}) < len(five) for five in values)
+            if tied:
+                yield (
+                    f"{label} of {what} ties flights in {tied} of {len(sets)} sets; orders put the "
+                    "shorter first"
+                )
 
 
 def _spread(record: Mapping[str, Any]) -> float:
@@ -40,27 +54,36 @@ def _spread(record: Mapping[str, Any]) -> float:
 
 
 def tables(records: Records) -> Iterator[tuple[str, list[str], list[list[str]]]]:
-    """Title, header and lines of each table."""
+    """Title, header and lines of each table; none without a pair that was judged."""
     sets = judged(records)
-    lines = []
+    if not sets:
+        return
+    lines, either = [], [claims_with_ties(record) for record in sets]
     for name, words in CLAIMS.items():
         share = Share.of([record["claims"][name] for record in sets])
-        lines.append([words, f"{share.count} of {share.total}", str(share)])
-    yield "What the paper found", ["finding", "holds in", "share [95 % interval]"], lines
+        tied = Share.of([each[name] for each in either])
+        lines.append([words, f"{share.count} of {share.total}", str(share), str(tied)])
+    header = ["finding", "holds in", "share [95 % interval]", "the same if ties go either way"]
+    yield "What the paper found", header, lines
     for title, end in (("safest", 0), ("riskiest", -1)):
         found = hits(sets, end)
         header = ["norm of f", *(f"{title} by {pc} of P_c" for pc in found)]
         lines = [[label, *map(str, row.values())] for label, row in found.items()]
         yield f"How often a norm finds the {title} flight", header, lines
-    lines = []
-    for label in sets[0]["tau"] if sets else []:
-        tau = np.array([record["tau"][label] for record in sets])
-        error = 1.96 * tau.std(ddof=1) / len(tau) ** 0.5 if len(tau) > 1 else np.nan
-        lines.append(
-            [label, f"{tau.mean():.2f} [{tau.mean() - error:.2f}, {tau.mean() + error:.2f}]"]
-        )
+    lines = [
+        [label, _mean([record["tau"][label] for record in sets])] for label in sets[0]["tau"]
+    ]
     header = ["norm of f", f"mean tau with {REFERENCE} of P_c"]
     yield "Agreement of the orders: Kendall's tau [95 % interval of the mean]", header, lines
+
+
+def _mean(values: Sequence[float]) -> str:
+    """Such as "0.80 [0.75, 0.85]"; of one value, that alone."""
+    middle = float(np.mean(values))
+    if len(values) == 1:
+        return f"{middle:.2f}"
+    error = 1.96 * float(np.std(values, ddof=1)) / len(values) ** 0.5
+    return f"{middle:.2f} [{middle - error:.2f}, {middle + error:.2f}]"
 
 
 def terminal_tables(records: Records) -> Iterator[Table]:

@@ -27,6 +27,9 @@ LOOP = 7
 tangent of the tilt that it asks for at most, and the angular acceleration [rad/s^2] with which it
 counts on ending a turn."""
 
+DAMPED = 5e3
+"""Speed of approach for each metre that is left, near the end, in gains of the speed."""
+
 LIGHTEST = 0.3
 """Least lift that the loop asks for, in weights: with less it could not tilt the lift."""
 
@@ -76,7 +79,9 @@ def _wanted(act, state, loop):
     else:
         x, y, z = act[1] - state[0], act[2] - state[1], act[3] - state[2]
         left = math.sqrt(x * x + y * y + z * z)
-        closing = math.sqrt(2.0 * act[7] / left) if left > 1e-9 else 0.0
+        closing = DAMPED * gain  # else it would not come to rest
+        if 2.0 * act[7] < closing * closing * left:
+            closing = math.sqrt(2.0 * act[7] / left)
         w1, w2, w3 = act[4] + closing * x, act[5] + closing * y, act[6] + closing * z
         fast = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
         slow = top / fast if fast > top else 1.0

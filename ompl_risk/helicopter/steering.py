@@ -59,6 +59,9 @@ class HelicopterSteering(KinodynamicSteering):
         height_weight: in the distance between vertices, what a metre of height counts: about the
             metres of straight flight that a gentle climb takes.
         reach: in that distance, what a heading counts: about a radian as much as this length [m].
+        hover: for how long flights stay at a goal that is a hover and missed by more than a
+            millimetre, in order to get there [s]. 0: not at all; it is missed by decimetres at
+            most, and flights of equal time stay that.
 
     Raises:
         ArgumentError: no library, a speed that it does not have, or a number out of range.
@@ -88,6 +91,7 @@ class HelicopterSteering(KinodynamicSteering):
         longest_ratio: float = 3.0,
         height_weight: float = 10.0,
         reach: float = 400.0,
+        hover: float = 0.0,
     ) -> None:
         self.library = default_library() if library is None else library
         if not isinstance(self.library, PrimitiveLibrary):
@@ -103,6 +107,9 @@ class HelicopterSteering(KinodynamicSteering):
         self._reach = real_number("reach", reach, "a finite length in metres, 0 or more")
         if not 0.0 <= self._reach < math.inf:
             raise ArgumentError("reach", reach, "a finite length in metres, 0 or more")
+        self._hover = real_number("hover", hover, "a finite time in seconds, 0 or more")
+        if not 0.0 <= self._hover < math.inf:
+            raise ArgumentError("hover", hover, "a finite time in seconds, 0 or more")
         flown = (self.library.manoeuvres[k].fastest for k in used(self.tables))
         self.speed = max(fastest(self.tables, self.tracks), *flown, 0.0)
 
@@ -218,7 +225,8 @@ class HelicopterSteering(KinodynamicSteering):
             if not way.exists:
                 allowed = f"a vertex to which there is a way from vertices[{k}]"
                 raise ArgumentError(f"vertices[{k + 1}]", chain[k + 1].tolist(), allowed)
-        return fly(self.library, chain[0], np.concatenate([way.pieces for way in ways]))
+        pieces = np.concatenate([way.pieces for way in ways])
+        return fly(self.library, chain[0], pieces, hover=self._hover)
 
     def _index(self, name: str, speed: float) -> int:
         """Index of a speed of the library."""

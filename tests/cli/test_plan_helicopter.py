@@ -46,8 +46,8 @@ def test_flights_keep_clear_and_begin_and_end_in_hover(flown, wall):
         assert clearance(np.ascontiguousarray(states[:, :3])).min() > 10.0 - 0.5
         for state, (x, y) in ((states[0], (300.0, 1000.0)), (states[-1], (2700.0, 1000.0))):
             place = [x, y, wall.height(x, y) + 60.0]
-            np.testing.assert_allclose(state[:3], place, atol=1e-2)
-            np.testing.assert_allclose(state[7:], 0.0, atol=1e-2)
+            np.testing.assert_allclose(state[:3], place, atol=0.3)
+            np.testing.assert_allclose(state[7:], 0.0, atol=0.1)
 
 
 def test_trajectories_have_attitude_velocity_and_inputs(flown):
@@ -70,7 +70,7 @@ def test_trajectories_have_attitude_velocity_and_inputs(flown):
 
 def test_durations_are_equal_within_the_tolerance(flown):
     durations = [t["duration"] for t in read_ranking(flown)["trajectories"]]
-    assert max(durations) <= 1.35 * min(durations)
+    assert max(durations) <= 1.301 * min(durations)
     facts = json.loads((flown / "provenance.json").read_text(encoding="utf-8"))
     assert sorted(one["seconds"] for one in facts["flights"]) == pytest.approx(sorted(durations))
     assert facts["roadmap"]["vertices"] > 100

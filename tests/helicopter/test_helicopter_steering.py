@@ -211,3 +211,21 @@ A = STEERING.vertex_at((0.0, 0.0, 100.0), 0.0, speed=30.0)
 def test_errors_name_what_is_wrong_with_a_vertex_or_an_option(call, message):
     with pytest.raises(ArgumentError, match=message):
         call()
+
+
+def test_hover_at_the_goal_puts_right_what_is_left():
+    chain = [
+        HelicopterSteering().vertex_at((0.0, 0.0, 100.0), 0.0, speed=0.0),
+        HelicopterSteering().vertex_at((90.0, 25.0, 101.0), 1.0, speed=0.0),
+    ]
+    plain = HelicopterSteering().flight(np.array(chain))
+    settled = HelicopterSteering(hover=8.0).flight(np.array(chain))
+    assert plain.at_goal.distance > 1e-3
+    assert settled.at_goal.distance < 1e-9
+    assert settled.duration == pytest.approx(plain.duration + 8.0, abs=0.05)
+
+
+@pytest.mark.parametrize("hover", [-1.0, float("inf"), float("nan"), "long"])
+def test_an_impossible_hover_is_named(hover):
+    with pytest.raises(ArgumentError, match="hover"):
+        HelicopterSteering(hover=hover)

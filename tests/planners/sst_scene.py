@@ -5,14 +5,13 @@ from ompl import base as ob
 
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.helicopter.buffers import Buffer
-
+from ompl_risk.helicopter.parameters import Helicopter, Limits
 from ompl_risk.helicopter.setup import simple_setup
 from ompl_risk.planners.sst.habits import Habits
 from ompl_risk.planners.sst.planner import SST, WEIGHTS
 from ompl_risk.planners.sst.problem import read_problem
 from ompl_risk.planners.sst.searching import Growth
 from ompl_risk.planners.sst.tree import SparseTree
-from ompl_risk.helicopter.parameters import Helicopter, Limits
 from ompl_risk.terrains import Terrain
 
 START, GOAL = (30.0, 60.0, 15.0), (170.0, 60.0, 15.0)
@@ -21,7 +20,9 @@ TOP = 80.0
 
 def ridge(height=35.0):
     x, y = np.arange(0.0, 201.0, 10.0), np.arange(0.0, 121.0, 10.0)
-    return Terrain(np.tile(height * np.exp(-(((x - 100.0) / 20.0) ** 2)), (len(y), 1)), spacing=(10.0, 10.0))
+    return Terrain(
+        np.tile(height * np.exp(-(((x - 100.0) / 20.0) ** 2)), (len(y), 1)), spacing=(10.0, 10.0)
+    )
 
 
 def setup_of(terrain=None, *, risk=False, start=START, goal=GOAL, **options):
@@ -98,5 +99,3 @@ def allowed(states, terrain, limits=None, radius=1.0):
         & (tilt <= limits.attitude)
         & (x >= xmin) & (x <= xmax) & (y >= ymin) & (y <= ymax) & (z <= TOP)
     )  # fmt: skip
-
-

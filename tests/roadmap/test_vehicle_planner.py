@@ -65,7 +65,7 @@ def test_solution_leads_from_the_start_to_the_goal(solved):
     path = setup.getProblemDefinition().getSolutionPath()
     rows = numbers(setup.getSpaceInformation(), path.getStates())
     np.testing.assert_allclose(rows[0, :3], START, atol=1e-12)
-    np.testing.assert_allclose(rows[-1, :3], GOAL, atol=1e-3)
+    np.testing.assert_allclose(rows[-1, :3], GOAL, atol=0.3)
     assert setup.getGoal().isSatisfied(path.getState(path.getStateCount() - 1))
 
 
@@ -92,9 +92,8 @@ def test_flown_trajectory_keeps_clear_and_is_as_risky_as_the_planner_says(solved
     objective = setup.getProblemDefinition().getOptimizationObjective()
     f = objective.risk.avoidance(d)
     route = planner.roadmap.best
-    kept = trajectory.t <= route.duration
-    assert Sobolev(1)(trajectory.t[kept], f[kept]) ** 2 == pytest.approx(route.risk, rel=0.03)
-    assert trajectory.duration == pytest.approx(route.duration, abs=7.0)
+    assert Sobolev(1)(trajectory.t, f) ** 2 == pytest.approx(route.risk, rel=0.03)
+    assert trajectory.duration == pytest.approx(route.duration, abs=0.1)
     speeds = np.linalg.norm(trajectory.velocities, axis=1)
     assert speeds.max() == pytest.approx(planner.roadmap.risk.speed, rel=0.05)
 
@@ -115,7 +114,7 @@ def test_alternatives_can_be_published(solved):
     problem = setup.getProblemDefinition()
     assert problem.getSolutionCount() == len(routes)
     first = Trajectory.from_path(problem.getSolutionPath())
-    assert first.duration == pytest.approx(routes[0].duration, abs=7.0)
+    assert first.duration == pytest.approx(routes[0].duration, abs=0.1)
 
 
 def test_same_seed_and_iterations_give_the_same_route(clearance, solved):

@@ -1,0 +1,42 @@
+"""What a record depends on besides the library's code: seed, words and numbers of the procedure."""
+
+from __future__ import annotations
+
+import hashlib
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+from benchmarks.scenario import procedure
+
+CONSTANTS = (
+    "FLIGHTS", "RADIUS", "FAR", "MARGIN", "NEAREST", "FARTHEST", "HEIGHT", "LEAST", "EXCESS",
+    "SEPARATION", "STEP",
+)  # fmt: skip
+
+
+def fingerprint(places: int) -> dict[str, Any]:
+    """The procedure as it is now, fit for JSON.
+
+    Args:
+        places: of the roadmaps.
+    """
+    words = " ".join((procedure.__doc__ or "").split())
+    return {
+        "words": hashlib.sha256(words.encode()).hexdigest()[:12],
+        "places": places,
+        "norms": [norm.label for norm in procedure.NORMS],
+        "blind": procedure.BLIND.d0,
+        **{name.lower(): getattr(procedure, name) for name in CONSTANTS},
+    }
+
+
+def differences(record: Mapping[str, Any], seed: int, places: int) -> Iterator[str]:
+    """What a record was made with that differs, such as "places: 300 there, 3000 here".
+
+    Records from before there were fingerprints are of the procedure as it is by default.
+    """
+    there = {"seed": record["seed"], **record.get("procedure", fingerprint(procedure.PLACES))}
+    here = {"seed": seed, **fingerprint(places)}
+    for name in {**there, **here}:
+        if there.get(name) != here.get(name):
+            yield f"{name}: {there.get(name)} there, {here.get(name)} here"
