@@ -1,8 +1,9 @@
 """Paths for `rank`: a risk-aware roadmap, OMPL's planners in worker processes, what improves paths.
 
-`RiskRoadmap` is a planner for OMPL's SimpleSetup. `Portfolio` runs any planners side by side.
-`roadmap_of` grows a roadmap for a `Problem` without OMPL: `alternative_routes` are its ways of
-equal time, `pareto_routes` all that are not undercut in both duration and risk.
+`RiskRoadmap` is a planner for OMPL's SimpleSetup, `SST` one for its control spaces. `Portfolio`
+runs any planners side by side. Without OMPL, `roadmap_of` grows a roadmap for a `Problem`, and
+`flight_roadmap` one that a helicopter flies: `alternative_routes` are its ways of equal time,
+`pareto_routes` all that are not undercut in both duration and risk.
 """
 
 from ompl_risk.planners.candidate_ranking import CandidateRanking as CandidateRanking
@@ -29,9 +30,12 @@ from ompl_risk.planners.problem import Problem as Problem
 from ompl_risk.planners.roadmap.alternatives import alternatives as alternatives
 from ompl_risk.planners.roadmap.building import roadmap_of as roadmap_of
 from ompl_risk.planners.roadmap.equal_time import equal_time_paths as equal_time_paths
+from ompl_risk.planners.roadmap.equal_time_flights import EqualTimeFlights as EqualTimeFlights
+from ompl_risk.planners.roadmap.equal_time_flights import equal_time_flights as equal_time_flights
 from ompl_risk.planners.roadmap.exploring import Front as Front
 from ompl_risk.planners.roadmap.exploring import alternative_routes as alternative_routes
 from ompl_risk.planners.roadmap.exploring import pareto_routes as pareto_routes
+from ompl_risk.planners.roadmap.flights import flight_roadmap as flight_roadmap
 from ompl_risk.planners.roadmap.front import ParetoSet as ParetoSet
 from ompl_risk.planners.roadmap.graph import Graph as Graph
 from ompl_risk.planners.roadmap.graph import Way as Way

@@ -5,7 +5,8 @@ from __future__ import annotations
 import argparse
 import json
 import sys
-from collections.abc import Iterator, Sequence
+import time
+from collections.abc import Callable, Sequence
 from datetime import datetime, timezone
 from pathlib import Path
 
@@ -16,67 +17,88 @@ from benchmarks import environment
 from benchmarks.campaign.progress import clock
 from benchmarks.scenario import procedure
 from benchmarks.scenario.example import draw_example
-from benchmarks.scenario.records import Record, evaluate, keep, kept
-from benchmarks.scenario.report import draw_hits, judged, markdown, notes, terminal_tables
+from benchmarks.scenario.records import Record, keep, kept
+from benchmarks.scenario.report import draw_hits, markdown, notes, terminal_tables
+from benchmarks.scenario.working import WorkersDiedError, finished
+from ompl_risk.errors import OmplRiskError
 
 PAIRS, QUICK = 200, 8
+GOES_ON = "every finished pair is kept, and the same command goes on from here"
 
 
 def main(argv: Sequence[str]) -> int:
     """Do what has not been done yet, then report.
 
     Returns:
-        0; 1 if a pair failed; 2 for wrong use; 130 after Ctrl-C, when everything finished is kept.
+        0; 1 if a pair failed or worker processes died for good; 2 for wrong use; 130 after Ctrl-C,
+        when everything finished is kept.
     """
     options = _options(argv)
     out = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
     err = Console(stderr=True, highlight=False)
-    options.output.mkdir(parents=True, exist_ok=True)
     try:
-        _log(options)
-        _carry_out(options, err)
+        return _session(options, out, err)
     except KeyboardInterrupt:
-        err.print("\nstopped; every finished pair is kept, and the same command goes on from here")
+        err.print(f"\nstopped; {GOES_ON}")
         return 130
-    records = list(kept(options.output, options.seed, options.pairs).values())
+    except WorkersDiedError as error:
+        _complain(err, f"{error}; {GOES_ON}")
+        return 1
+    except (OmplRiskError, OSError) as error:
+        _complain(err, str(error))
+        return 2
+
+
+def _session(options: argparse.Namespace, out: Console, err: Console) -> int:
+    done = _kept(options, lambda message: err.print(message, markup=False, soft_wrap=True))
+    options.output.mkdir(parents=True, exist_ok=True)
+    _log(options)
+    _carry_out(options, done, err)
+    records = list(_kept(options).values())
     _report(records, options.output, out)
     if not options.no_example:
         err.print("drawing the example's figures 4 and 5")
-        draw_example(options.output, out)
+        draw_example(options.output, out, places=options.places)
     return 1 if any(record["status"] == "failed" for record in records) else 0
 
 
-def _carry_out(options: argparse.Namespace, err: Console) -> None:
+def _kept(
+    options: argparse.Namespace, say: Callable[[str], object] = lambda _message: None
+) -> dict[int, Record]:
+    return kept(options.output, options.seed, options.pairs, options.places, say=say)
+
+
+def _carry_out(options: argparse.Namespace, done: dict[int, Record], err: Console) -> None:
     """Evaluate the pairs that are left, and keep each as it comes."""
-    done = kept(options.output, options.seed, options.pairs)
     if options.retry_failed:
         done = {k: record for k, record in done.items() if record["status"] != "failed"}
     left = [number for number in range(options.pairs) if number not in done]
     if done:
         err.print(f"{len(done)} of {options.pairs} pairs were done before")
-    begin = datetime.now(timezone.utc)
-    for count, record in enumerate(_evaluated(options, left), start=1):
+
+    def tell(line: str) -> None:
+        err.print(line, markup=False, soft_wrap=True)
+
+    begin = time.monotonic()
+    records = finished(options.seed, left, options.places, workers=options.workers, say=tell)
+    for count, record in enumerate(records, start=1):
         keep(options.output, record)
-        seconds = (datetime.now(timezone.utc) - begin).total_seconds()
-        time_left = clock(seconds / count * (len(left) - count))
+        time_left = clock((time.monotonic() - begin) / count * (len(left) - count))
         said = f": {record['reason']}" if record["status"] == "failed" else ""
-        err.print(
+        tell(
             f"{len(done) + count}/{options.pairs}  {time_left} left  "
-            f"pair {record['pair']} {record['status']}{said}",
-            markup=False,
-            soft_wrap=True,
+            f"pair {record['pair']} {record['status']}{said}"
         )
 
 
-def _evaluated(options: argparse.Namespace, left: Sequence[int]) -> Iterator[Record]:
-    work = joblib.Parallel(n_jobs=options.workers, return_as="generator_unordered")
-    yield from work(joblib.delayed(evaluate)(options.seed, number) for number in left)
+def _complain(err: Console, message: str) -> None:
+    err.print(f"error: {message}", style="red", markup=False, soft_wrap=True)
 
 
 def _report(records: list[Record], folder: Path, out: Console) -> None:
     for note in notes(records):
         out.print(note, markup=False, soft_wrap=True)
-    for table in terminal_tables(records) if judged(records) else ():
+    for table in terminal_tables(records):
         out.print(table)
     (folder / "report.md").write_text(markdown(records, procedure.__doc__ or ""), encoding="utf-8")
     draw_hits(records, folder / "hits.png")
@@ -105,6 +127,11 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser.add_argument("--quick", action="store_true", help="few pairs, in a minute or two")
     parser.add_argument("--seed", type=int, default=0, help="of the pairs (%(default)s)")
     parser.add_argument("--workers", type=_count, default=joblib.cpu_count(), help="(%(default)s)")
+    parser.add_argument(
+        "--places", type=_count, default=procedure.PLACES, metavar="N",
+        help="of a roadmap (%(default)s); with any other number it is another procedure, which "
+        "needs another folder",
+    )  # fmt: skip
     parser.add_argument("--output", type=Path, metavar="FOLDER", help="(runs/helicopter)")
     parser.add_argument("--retry-failed", action="store_true", help="do those again that failed")
     parser.add_argument("--no-example", action="store_true", help="without figures 4 and 5")

@@ -23,7 +23,11 @@ def draw_example(folder: Path, out: Console, *, places: int = procedure.PLACES) 
         places: of the roadmap.
     """
     ends = procedure.Pair(**PLACES["jacksboro"])
-    judgement = procedure.judged(procedure.flights(ends, SEED, places=places, threads=None))
+    flights = procedure.flights(ends, SEED, places=places, threads=None)
+    if len(flights) < procedure.FLIGHTS:
+        out.print(f"no figures 4 and 5: {len(flights)} flights with {places} places")
+        return
+    judgement = procedure.judged(flights)
     ranking, terrain = judgement.ranking, procedure.scene().terrain
     out.print(ranking)
     found = claims(ranking.orders, ranking.pc_orders)

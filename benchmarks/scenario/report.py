@@ -70,9 +70,7 @@ def tables(records: Records) -> Iterator[tuple[str, list[str], list[list[str]]]]
         header = ["norm of f", *(f"{title} by {pc} of P_c" for pc in found)]
         lines = [[label, *map(str, row.values())] for label, row in found.items()]
         yield f"How often a norm finds the {title} flight", header, lines
-    lines = [
-        [label, _mean([record["tau"][label] for record in sets])] for label in sets[0]["tau"]
-    ]
+    lines = [[label, _mean([record["tau"][label] for record in sets])] for label in sets[0]["tau"]]
     header = ["norm of f", f"mean tau with {REFERENCE} of P_c"]
     yield "Agreement of the orders: Kendall's tau [95 % interval of the mean]", header, lines
 

@@ -27,7 +27,7 @@ LOOP = 7
 tangent of the tilt that it asks for at most, and the angular acceleration [rad/s^2] with which it
 counts on ending a turn."""
 
-DAMPED = 5e3
+DAMPED = 1.0
 """Speed of approach for each metre that is left, near the end, in gains of the speed."""
 
 LIGHTEST = 0.3
