@@ -85,8 +85,8 @@ def _roadmaps(
         return
     name = f"{config.places} places, {config.alternatives} alternatives"
     note = (
-        f"{roadmap.n} vertices, {roadmap.edges.m} edges, the H1 risk of {roadmap.evaluated} of them; "
-        "on the wall, all threads"
+        f"{roadmap.n} vertices, {roadmap.edges.m} edges, the H1 risk of {roadmap.evaluated} of "
+        "them; on the wall, all threads"
     )
     both = [a + b for a, b in zip(built[1:], found[1:], strict=True)]
     yield figure(name, both, "s", target=Target(10.0), note=note, tolerance=SLOWER)

@@ -100,7 +100,7 @@ def _report(records: list[Record], folder: Path, out: Console) -> None:
         out.print(note, markup=False, soft_wrap=True)
     for table in terminal_tables(records):
         out.print(table)
-    (folder / "report.md").write_text(markdown(records, procedure.__doc__ or ""), encoding="utf-8")
+    (folder / "report.md").write_text(markdown(records), encoding="utf-8")
     draw_hits(records, folder / "hits.png")
     out.print(f"in {folder}: report.md, hits.png, pairs/", markup=False, soft_wrap=True)
 

@@ -124,9 +124,9 @@ def _read(path: Path, number: int) -> Record:
     record = json.loads(path.read_text(encoding="utf-8"))
     if not isinstance(record, dict):
         raise ValueError("no object")
-    wanted = {*ALWAYS, *CONTENTS.get(record.get("status", ""), ())}
-    if missing := sorted(wanted - record.keys()):
+    status = str(record.get("status"))
+    if missing := sorted({*ALWAYS, *CONTENTS.get(status, ())} - record.keys()):
         raise ValueError(f"without {', '.join(missing)}")
-    if record["pair"] != number or record["status"] not in CONTENTS:
-        raise ValueError(f"pair {record['pair']!r}, status {record['status']!r}")
+    if record["pair"] != number or status not in CONTENTS:
+        raise ValueError(f"pair {record['pair']!r}, status {status!r}")
     return record

@@ -5,12 +5,19 @@ from __future__ import annotations
 from collections import Counter
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from rich.table import Table
 
+from benchmarks.scenario import procedure
 from benchmarks.scenario.findings import CLAIMS, REFERENCE, Share, claims_with_ties, hits
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+BECAME = {"judged": "judged", "fewer": "with fewer than five flights", "failed": "failed"}
+"""What becomes of a pair, by its status."""
 
 Records = Sequence[Mapping[str, Any]]
 
@@ -23,7 +30,8 @@ def judged(records: Records) -> list[Mapping[str, Any]]:
 def notes(records: Records) -> list[str]:
     """What became of the pairs."""
     counts = Counter(record["status"] for record in records)
-    found = [", ".join([f"{len(records)} pairs", *(f"{n} {what}" for what, n in counts.items())])]
+    parts = ", ".join(f"{counts[status]} {words}" for status, words in BECAME.items())
+    found = [f"{len(records)} pairs: {parts}", *_other_places(records)]
     spreads = [_spread(record) for record in judged(records)]
     if spreads:
         found.append(
@@ -33,6 +41,13 @@ def notes(records: Records) -> list[str]:
     found += _ties(judged(records))
     found += [f"pair {r['pair']}: {r['reason']}" for r in records if r["status"] == "failed"]
     return found
+
+
+def _other_places(records: Records) -> Iterator[str]:
+    """That this is not quite the procedure, if so."""
+    used = {record["procedure"]["places"] for record in records if "procedure" in record}
+    for places in sorted(used - {procedure.PLACES}):
+        yield f"roadmaps of {places} places, where the procedure has {procedure.PLACES}"
 
 
 def _ties(sets: Records) -> Iterator[str]:
@@ -76,12 +91,12 @@ def tables(records: Records) -> Iterator[tuple[str, list[str], list[list[str]]]]
 
 
 def _mean(values: Sequence[float]) -> str:
-    """Such as "0.80 [0.75, 0.85]"; of one value, that alone."""
+    """Such as "0.80 [0.75, 0.85]", within -1 and 1; of one value, that alone."""
     middle = float(np.mean(values))
     if len(values) == 1:
         return f"{middle:.2f}"
     error = 1.96 * float(np.std(values, ddof=1)) / len(values) ** 0.5
-    return f"{middle:.2f} [{middle - error:.2f}, {middle + error:.2f}]"
+    return f"{middle:.2f} [{max(middle - error, -1.0):.2f}, {min(middle + error, 1.0):.2f}]"
 
 
 def terminal_tables(records: Records) -> Iterator[Table]:
@@ -95,13 +110,14 @@ def terminal_tables(records: Records) -> Iterator[Table]:
         yield table
 
 
-def markdown(records: Records, procedure: str) -> str:
+def markdown(records: Records) -> str:
     """The tables, what became of the pairs, and the procedure."""
+    words = procedure.__doc__ or ""
     parts = ["# Five flights of equal time, many times", "", *(f"- {n}" for n in notes(records))]
     for title, header, lines in tables(records):
         parts += ["", f"## {title}", "", _row(header), _row(["---"] * len(header))]
         parts += [_row(line) for line in lines]
-    return "\n".join([*parts, "", "## Procedure", "", procedure.strip(), ""])
+    return "\n".join([*parts, "", "## Procedure", "", words.strip(), ""])
 
 
 def _row(cells: Sequence[str]) -> str:
@@ -113,18 +129,40 @@ def draw_hits(records: Records, path: Path) -> None:
     from matplotlib.figure import Figure
 
     sets = judged(records)
-    figure = Figure((9.0, 3.6), layout="constrained")
+    figure = Figure((9.0, 4.2), layout="constrained")
     axes = figure.subplots(1, 2, sharey=True)
     for axis, (title, end) in zip(axes, (("safest", 0), ("riskiest", -1)), strict=True):
         shares = {label: row[REFERENCE] for label, row in hits(sets, end).items()}
-        middle = [100.0 * s.count / max(s.total, 1) for s in shares.values()]
-        low = [m - 100.0 * s.low for m, s in zip(middle, shares.values(), strict=True)]
-        high = [100.0 * s.high - m for m, s in zip(middle, shares.values(), strict=True)]
-        axis.bar(list(shares), middle, color="#4477aa", width=0.6)
-        axis.errorbar(list(shares), middle, [low, high], fmt="none", color="black", capsize=4)
-        axis.axhline(20.0, color="grey", linestyle=":", linewidth=1.0)
+        _draw_shares(axis, shares, 100.0 / procedure.FLIGHTS)
         axis.set_title(f"finds the {title} by {REFERENCE} of $P_c$", fontsize=10)
-        axis.set_ylim(0.0, 100.0)
-    axes[0].set_ylabel("share of sets [%]; dotted: chance")
-    figure.suptitle(f"{len(sets)} sets of five flights, 95 % intervals", fontsize=11)
+        axis.set_xlabel("norm of $f$")
+    axes[0].set_ylabel("share of sets [%]")
+    figure.suptitle(f"{len(sets)} sets of five flights", fontsize=11)
+    handles, labels = axes[0].get_legend_handles_labels()
+    figure.legend(handles, labels, loc="outside lower center", ncols=3, frameon=False, fontsize=9)
     figure.savefig(path, dpi=150)
+
+
+def _draw_shares(axis: Axes, shares: Mapping[str, Share], chance: float) -> None:
+    """A bar for each share, and what chance would find [%]."""
+    axis.set_ylim(0.0, 105.0)  # room for the end of an interval at 100 %
+    axis.set_yticks(range(0, 101, 20))
+    axis.axhline(
+        chance, color="#cc3311", linestyle="--", linewidth=1.2, label=f"chance: {chance:g} %"
+    )
+    if not shares:
+        axis.set_xticks([])
+        axis.text(0.5, 0.5, "no pair was judged", transform=axis.transAxes, ha="center")
+        return
+    places = range(len(shares))
+    middle = [100.0 * s.count / s.total for s in shares.values()]
+    reach = [
+        [m - 100.0 * s.low for m, s in zip(middle, shares.values(), strict=True)],
+        [100.0 * s.high - m for m, s in zip(middle, shares.values(), strict=True)],
+    ]
+    axis.bar(places, middle, color="#a9c4e0", width=0.6, zorder=0, label="found")
+    axis.errorbar(
+        places, middle, reach, fmt="none", color="#222222", capsize=4, label="95 % interval"
+    )
+    ticks = [f"{label}\n{m:.0f} %" for label, m in zip(shares, middle, strict=True)]
+    axis.set_xticks(places, ticks)

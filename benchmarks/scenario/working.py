@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
+from typing import Any
 
 import joblib
 
@@ -59,7 +60,7 @@ def finished(
     left, deaths = list(numbers), 0
     while left:
         try:
-            pool = joblib.Parallel(n_jobs=workers, return_as="generator_unordered")
+            pool: Any = joblib.Parallel(n_jobs=workers, return_as="generator_unordered")
             for record in pool(joblib.delayed(work)(seed, number, places) for number in left[:]):
                 left.remove(record["pair"])
                 deaths = 0

@@ -27,8 +27,9 @@ LOOP = 7
 tangent of the tilt that it asks for at most, and the angular acceleration [rad/s^2] with which it
 counts on ending a turn."""
 
-DAMPED = 1.0
-"""Speed of approach for each metre that is left, near the end, in gains of the speed."""
+UNHURRIED = 2.0
+"""Least time in which a target is reached for, in time constants of the speed: with less it would
+swing about the target."""
 
 LIGHTEST = 0.3
 """Least lift that the loop asks for, in weights: with less it could not tilt the lift."""
@@ -77,15 +78,7 @@ def _wanted(act, state, loop):
     if act[0] == PUSH:
         ax, ay, az = act[1], act[2], act[3]
     else:
-        x, y, z = act[1] - state[0], act[2] - state[1], act[3] - state[2]
-        left = math.sqrt(x * x + y * y + z * z)
-        closing = DAMPED * gain  # else it would not come to rest
-        if 2.0 * act[7] < closing * closing * left:
-            closing = math.sqrt(2.0 * act[7] / left)
-        w1, w2, w3 = act[4] + closing * x, act[5] + closing * y, act[6] + closing * z
-        fast = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
-        slow = top / fast if fast > top else 1.0
-        ax, ay, az = gain * (slow * w1 - u1), gain * (slow * w2 - u2), gain * (slow * w3 - u3)
+        ax, ay, az = _towards(act, state, u1, u2, u3, top, UNHURRIED / gain)
     speed = math.sqrt(u1 * u1 + u2 * u2 + u3 * u3)
     if speed > 1e-9:
         excess = (ax * u1 + ay * u2 + az * u3) / speed - gain * (top - speed)
@@ -93,6 +86,35 @@ def _wanted(act, state, loop):
             share = excess / speed
             return ax - share * u1, ay - share * u2, az - share * u3
     return ax, ay, az
+
+
+@kernel
+def _towards(act, state, u1, u2, u3, top, least):
+    """Acceleration towards a position and a velocity there.
+
+    Of all ways to be there after a time t, the one of least effort begins with ::
+
+        a = (6 e - (4 u + 2 u*) t) / t^2
+
+    for a displacement e and velocities u now and u* then. With t from the deceleration b,
+    ``sqrt(u*^2 + 2 b |e|) = |u*| + b t``, it brakes with b. Times below ``least`` would ask for too
+    much: the target is then where it would be later if it moved on.
+
+    Reference: D'Souza, An optimal guidance law for planetary landing, AIAA GNC 1997.
+    """
+    x, y, z = act[1] - state[0], act[2] - state[1], act[3] - state[2]
+    w1, w2, w3, b = act[4], act[5], act[6], act[7]
+    left = math.sqrt(x * x + y * y + z * z)
+    last = math.sqrt(w1 * w1 + w2 * w2 + w3 * w3)
+    due = max((math.sqrt(last * last + 2.0 * b * left) - last) / b, left / top)
+    t = max(due, least)
+    late = t - due
+    p, q, r = 6.0 / (t * t), 4.0 / t, 2.0 / t
+    return (
+        p * (x + w1 * late) - q * u1 - r * w1,
+        p * (y + w2 * late) - q * u2 - r * w2,
+        p * (z + w3 * late) - q * u3 - r * w3,
+    )
 
 
 @kernel

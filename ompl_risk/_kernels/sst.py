@@ -40,6 +40,9 @@ that are held inputs and accelerations; least and most holds of an act, most hol
 part of the samples near the best path, and how near; part of the branches after which the goal is
 reached for."""
 
+GENTLEST, HARDEST = 0.1, 1.6
+"""Decelerations with which something is reached for, in g."""
+
 TRIES = 10
 """Samples drawn at most for one that can lie on a better path."""
 
@@ -122,7 +125,7 @@ def _act(draw, vehicle, mark, act):
         act[0] = REACH
         for k in range(3):
             act[1 + k], act[4 + k] = mark[k], mark[7 + k]
-        act[7] = between(seed, 0.1, 1.0) * vehicle.given[GRAVITY]
+        act[7] = between(seed, GENTLEST, HARDEST) * vehicle.given[GRAVITY]
     return whole(seed, min(int(habits[SHORTEST]), longest), longest)
 
 
@@ -131,7 +134,7 @@ def _reach_for_goal(seed, vehicle, act):
     act[0] = REACH
     for k in range(6):
         act[1 + k] = vehicle.goal[k]
-    act[7] = between(seed, 0.1, 1.0) * vehicle.given[GRAVITY]
+    act[7] = between(seed, GENTLEST, HARDEST) * vehicle.given[GRAVITY]
 
 
 @kernel

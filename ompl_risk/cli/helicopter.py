@@ -8,7 +8,7 @@ from ompl_risk import planners
 from ompl_risk.cli.finding import Finder, Found
 from ompl_risk.cli.pareto import write_pareto
 from ompl_risk.cli.progress import progress_bar
-from ompl_risk.cli.roadmap import check_found, norm_of
+from ompl_risk.cli.roadmap import check_found, counts_of, norm_of
 from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.settings import PlanSettings
 from ompl_risk.errors import ArgumentError
@@ -87,11 +87,7 @@ class HelicopterFinder(Finder):
             separation=found.separation,
             flights=found.flights,
             facts={
-                "roadmap": {
-                    "vertices": roadmap.n,
-                    "edges": roadmap.edges.m,
-                    "evaluated": roadmap.evaluated,
-                },
+                "roadmap": counts_of(roadmap),
                 "flights": [
                     {
                         "alternative": k + 1,

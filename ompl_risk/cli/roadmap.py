@@ -81,13 +81,7 @@ class RoadmapFinder(Finder):
             labels=[f"roadmap alternative {k + 1}" for k in range(len(paths.positions))],
             summary=paths.summary,
             separation=paths.separation,
-            facts={
-                "roadmap": {
-                    "vertices": roadmap.n,
-                    "edges": roadmap.edges.m,
-                    "evaluated": roadmap.evaluated,
-                }
-            },
+            facts={"roadmap": counts_of(roadmap)},
         )
 
 
@@ -103,6 +97,11 @@ def norm_of(settings: PlanSettings, problem: planners.Problem) -> Norm:
     except ArgumentError as error:
         raise ArgumentError("roadmap_norm", settings.roadmap_norm, error.allowed) from None
     return norm
+
+
+def counts_of(roadmap: Roadmap) -> dict[str, int]:
+    """How large a roadmap has grown, for the provenance."""
+    return {"vertices": roadmap.n, "edges": roadmap.edges.m, "evaluated": roadmap.evaluated}
 
 
 def check_found(roadmap: Roadmap, count: int) -> None:

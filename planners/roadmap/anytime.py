@@ -22,8 +22,9 @@ FIRST_SLOW = 200
 GROWTH = 0.5
 """States sampled after that, as a share of those there are."""
 
-LIMIT = 1_000_000
-"""Vertices at which growing ends of itself, for the sake of memory."""
+LIMIT, EDGES = 1_000_000, 50_000_000
+"""Vertices or edges at which growing ends of itself, for the sake of memory: an edge takes 25 B,
+and a vehicle has some 250 of them a vertex."""
 
 MOST_SLOW = 1000
 """States sampled at a time at most where every distance is a call of Python."""
@@ -103,7 +104,9 @@ class Growing:
         roadmap = self._roadmap
         if roadmap.best is not None and self._enough(roadmap.best.cost):
             return True
-        return roadmap.nothing_to_gain() or self._left <= 0 or roadmap.n >= LIMIT
+        if roadmap.n >= LIMIT or roadmap.edges.m >= EDGES:
+            return True
+        return roadmap.nothing_to_gain() or self._left <= 0
 
     def _add_goals(self) -> None:
         while self.more_goals:

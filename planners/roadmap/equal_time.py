@@ -28,6 +28,15 @@ POINTS = 200
 """Points of a path when it is compared with another: 75 m apart over 15 km."""
 
 
+def choice_in_words(chosen: int, tried: int, sides: int) -> str:
+    """How many paths were chosen, of how many, on how many sides."""
+    where = "on one side" if sides == 1 else f"on {sides} sides"
+    return (
+        f"{chosen} of {tried} alternatives in the roadmap chosen, {where} of the summits that are "
+        "too high to cross"
+    )
+
+
 @dataclass(frozen=True, eq=False)
 class EqualTimePaths:
     """Paths of nearly the same duration that differ pairwise.
@@ -47,11 +56,7 @@ class EqualTimePaths:
     @property
     def summary(self) -> str:
         """How many there are, of how many, on how many sides."""
-        sides = "on one side" if self.sides == 1 else f"on {self.sides} sides"
-        return (
-            f"{len(self.positions)} of {self.tried} alternatives in the roadmap chosen, {sides} of "
-            "the summits that are too high to cross"
-        )
+        return choice_in_words(len(self.positions), self.tried, self.sides)
 
 
 @dataclass(frozen=True, eq=False)

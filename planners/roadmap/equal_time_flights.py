@@ -14,6 +14,7 @@ from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.steering import HelicopterSteering
 from ompl_risk.planners.problem import Problem
 from ompl_risk.planners.roadmap.building import sides_of
+from ompl_risk.planners.roadmap.equal_time import choice_in_words
 from ompl_risk.planners.roadmap.exploring import alternative_routes
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.planners.roadmap.shortening import shortened
@@ -47,11 +48,7 @@ class EqualTimeFlights:
     @property
     def summary(self) -> str:
         """How many there are, of how many, on how many sides."""
-        sides = "on one side" if self.sides == 1 else f"on {self.sides} sides"
-        return (
-            f"{len(self.flights)} of {self.tried} alternatives in the roadmap chosen, {sides} of "
-            "the summits that are too high to cross"
-        )
+        return choice_in_words(len(self.flights), self.tried, self.sides)
 
 
 @dataclass(frozen=True, eq=False)
