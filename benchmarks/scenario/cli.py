@@ -17,7 +17,7 @@ from benchmarks import environment
 from benchmarks.campaign.progress import clock
 from benchmarks.scenario import procedure
 from benchmarks.scenario.example import draw_example
-from benchmarks.scenario.records import Record, keep, kept
+from benchmarks.scenario.records import Record, kept
 from benchmarks.scenario.report import draw_hits, markdown, notes, terminal_tables
 from benchmarks.scenario.working import WorkersDiedError, finished
 from ompl_risk.errors import OmplRiskError
@@ -69,7 +69,7 @@ def _kept(
 
 
 def _carry_out(options: argparse.Namespace, done: dict[int, Record], err: Console) -> None:
-    """Evaluate the pairs that are left, and keep each as it comes."""
+    """Evaluate the pairs that are left, and tell of each as it comes."""
     if options.retry_failed:
         done = {k: record for k, record in done.items() if record["status"] != "failed"}
     left = [number for number in range(options.pairs) if number not in done]
@@ -80,9 +80,10 @@ def _carry_out(options: argparse.Namespace, done: dict[int, Record], err: Consol
         err.print(line, markup=False, soft_wrap=True)
 
     begin = time.monotonic()
-    records = finished(options.seed, left, options.places, workers=options.workers, say=tell)
+    records = finished(
+        options.output, options.seed, left, options.places, workers=options.workers, say=tell
+    )
     for count, record in enumerate(records, start=1):
-        keep(options.output, record)
         time_left = clock((time.monotonic() - begin) / count * (len(left) - count))
         said = f": {record['reason']}" if record["status"] == "failed" else ""
         tell(

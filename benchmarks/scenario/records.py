@@ -105,7 +105,7 @@ def kept(
     for number in range(count):
         path = path_of(folder, number)
         try:
-            record = _read(path, number)
+            record = read(folder, number)
         except FileNotFoundError:
             continue
         except (OSError, ValueError) as error:
@@ -119,9 +119,14 @@ def kept(
     return found
 
 
-def _read(path: Path, number: int) -> Record:
-    """A record from its file; a ValueError says what is missing."""
-    record = json.loads(path.read_text(encoding="utf-8"))
+def read(folder: Path, number: int) -> Record:
+    """The record of a pair.
+
+    Raises:
+        OSError: there is none that can be read.
+        ValueError: says what the file is not, or lacks.
+    """
+    record = json.loads(path_of(folder, number).read_text(encoding="utf-8"))
     if not isinstance(record, dict):
         raise ValueError("no object")
     status = str(record.get("status"))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures.process import BrokenProcessPool
+from pathlib import Path
 from typing import Any
 
 import joblib
 
-from benchmarks.scenario.records import Record, evaluate
+from benchmarks.scenario.records import Record, evaluate, keep, path_of, read
 
 DEATHS = 3
 """In a row, with nothing finished between them, after which the rest is given up."""
@@ -32,6 +33,7 @@ class WorkersDiedError(Exception):
 
 
 def finished(
+    folder: Path,
     seed: int,
     numbers: Sequence[int],
     places: int,
@@ -40,13 +42,14 @@ def finished(
     say: Callable[[str], object],
     work: Work = evaluate,
 ) -> Iterator[Record]:
-    """Records of pairs, as they come.
+    """Records of pairs, as they come, each kept by the process that made it.
 
     A process that dies takes what the others are at with it, but nothing that was finished. What is
     left is started again, what had just been begun at the end, so that a pair that kills its worker
     does not keep the others from their turn.
 
     Args:
+        folder: where records are kept.
         seed: of the pairs.
         numbers: of the pairs.
         places: of the roadmaps.
@@ -57,17 +60,38 @@ def finished(
     Raises:
         WorkersDiedError: they die again and again.
     """
+    before = {number: _written(folder, number) for number in numbers}
     left, deaths = list(numbers), 0
     while left:
+        began = len(left)
+        calls = [joblib.delayed(_keep)(folder, work, seed, number, places) for number in left]
         try:
-            pool: Any = joblib.Parallel(n_jobs=workers, return_as="generator_unordered")
-            for record in pool(joblib.delayed(work)(seed, number, places) for number in left[:]):
+            for record in _pool(workers)(calls):
                 left.remove(record["pair"])
-                deaths = 0
                 yield record
         except BrokenProcessPool:
-            deaths += 1
-            if deaths == DEATHS:
+            left = left[workers:] + left[:workers]
+            for number in [n for n in left if _written(folder, n) != before[n]]:
+                left.remove(number)  # the pool forgets what it has not handed on yet
+                yield read(folder, number)
+            deaths = 1 if len(left) < began else deaths + 1
+            if left and deaths == DEATHS:
                 raise WorkersDiedError(left) from None
             say(f"a worker process died; {len(left)} pairs are left and started again")
-            left = left[workers:] + left[:workers]
+
+
+def _pool(workers: int) -> Any:
+    one: Any = 1  # a call at a time: a batch would be lost as a whole
+    return joblib.Parallel(workers, return_as="generator_unordered", batch_size=one)
+
+
+def _keep(folder: Path, work: Work, seed: int, number: int, places: int) -> Record:
+    record = work(seed, number, places)
+    keep(folder, record)
+    return record
+
+
+def _written(folder: Path, number: int) -> int | None:
+    """When a pair's record was written [ns]; none if there is none."""
+    path = path_of(folder, number)
+    return path.stat().st_mtime_ns if path.exists() else None
