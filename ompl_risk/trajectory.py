@@ -159,12 +159,16 @@ class Trajectory:
     def densify(self, max_step: float) -> Trajectory:
         """The same motion with samples inserted, so that no step is longer than `max_step` [m].
 
-        All samples of this trajectory are kept; each piece is divided into equal parts.
+        All samples of this trajectory are kept; each piece is divided into equal parts. Steps may
+        be longer by what rounding makes of equal parts, so that doing it again changes nothing.
 
         Raises:
             ArgumentError: max_step is not a positive finite number.
         """
-        parts = np.ceil(self.steps / positive("max_step", max_step) * (1 - 1e-12))
+        fastest = (self.steps / np.diff(self.t)).max()
+        rounding = 8.0 * np.spacing(np.abs(self.positions).max())
+        rounding += np.spacing(np.abs(self.t).max()) * fastest
+        parts = np.ceil((self.steps - rounding) / positive("max_step", max_step) * (1 - 1e-12))
         return self.subdivide(np.maximum(parts, 1).astype(np.int64))
 
     def subdivide(self, parts: ArrayLike) -> Trajectory:

@@ -65,6 +65,8 @@ def low_level_flight(
     as_length(min_clearance, "min_clearance")
     for name, end in ends.items():
         _check_end(name, end, clearance, ceiling, min_clearance)
+    if (ends["start"][:2] == ends["goal"][:2]).all():  # the box would have no width
+        raise ArgumentError("goal", ends["goal"][:2].tolist(), "another place than start")
     xmin, xmax, ymin, ymax = terrain.extent
     both = np.array(list(ends.values()))
     aside = margin * float(np.linalg.norm(both[1, :2] - both[0, :2]))

@@ -28,8 +28,9 @@ SETTINGS = 6
 """Numbers in the settings: time step [s] and steps for which inputs are held; d0 [m] (0 if risk
 does not count), exponent and tau [s] of the norm; cost of a second."""
 
-GOAL = 8
-"""Numbers in a goal: position [m] and velocity in the world [m/s], tolerances of both."""
+GOAL, GOAL_ROOM = 9, 8
+"""Numbers in a goal: position [m] and velocity in the world [m/s], tolerances of both, and the
+clearance of the position [m]."""
 
 
 class Vehicle(NamedTuple):
@@ -72,12 +73,34 @@ def room_at(vehicle, ground, state, bound):
 
 
 @kernel
-def least_cost(vehicle, state):
-    """Lower bound for what is left to pay from a state to the goal: no flight is faster."""
-    goal = vehicle.goal
+def least_cost(vehicle, state, room):
+    """Lower bound for what is left to pay from a state with clearance ``room`` to the goal.
+
+    No flight is faster than the top speed. So it takes a time, and in the end, before which d is no
+    more than at the goal and the way from there, some risk, ``integral of f^p``. For tau > 0 the
+    risk is also at least what f has to rise: ``f^2 + tau^2 f'^2 >= tau |(f^2)'|``.
+    """
+    goal, settings, speed = vehicle.goal, vehicle.settings, vehicle.allowed[SPEED]
     x, y, z = state[0] - goal[0], state[1] - goal[1], state[2] - goal[2]
     left = max(math.sqrt(x * x + y * y + z * z) - goal[6], 0.0)
-    return vehicle.settings[WEIGHT] * left / vehicle.allowed[SPEED]
+    least = settings[WEIGHT] * left / speed
+    far, d = settings[FAR], goal[GOAL_ROOM] + goal[6]
+    if not 0.0 < d < far:
+        return least
+    f, last = avoid(max(room, CONTACT), far), avoid(d, far)
+    rise = settings[TAU] * max(last * last - f * f, 0.0)
+    return least + max(rise, _least_risk(d, min(left, far - d), far, settings[POWER]) / speed)
+
+
+@kernel
+def _least_risk(d, way, far, p):
+    """Integral of f^p along a way that leads straight away from obstacles, from clearance d."""
+    x = d + way
+    if p == 1.0:
+        return max(math.log(x / d) - way / far, 0.0)
+    if p == 2.0:
+        return max(1.0 / d - 1.0 / x - 2.0 * math.log(x / d) / far + way / (far * far), 0.0)
+    return 0.0
 
 
 @kernel
@@ -153,7 +176,7 @@ def fly(vehicle, ground, state, room, act, steps, budget, control, controls, sta
             if f0 > 0.0 or f > 0.0:
                 cost += risk_of_step(f0, f, dt, settings[POWER], settings[TAU])
         if (k + 1) % hold == 0:
-            if cost + least_cost(vehicle, state) >= budget:
+            if cost + least_cost(vehicle, state, room) >= budget:
                 return 0, math.inf, 0.0, False
             if is_reached(vehicle, state):
                 return k + 1, cost, room, True

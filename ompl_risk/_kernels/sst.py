@@ -74,7 +74,9 @@ def _least_total(vehicle, starts, mark):
     for k in range(len(starts)):
         x, y, z = mark[0] - starts[k, 0], mark[1] - starts[k, 1], mark[2] - starts[k, 2]
         least = min(least, math.sqrt(x * x + y * y + z * z))
-    return vehicle.settings[WEIGHT] * least / vehicle.allowed[SPEED] + least_cost(vehicle, mark)
+    return vehicle.settings[WEIGHT] * least / vehicle.allowed[SPEED] + least_cost(
+        vehicle, mark, 0.0
+    )
 
 
 @kernel

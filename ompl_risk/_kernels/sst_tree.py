@@ -208,7 +208,7 @@ def crown(tree, i, vehicle):
         tree.children[before] -= 1
         _drop(tree, before)
     for k in range(tree.counts[ROWS]):
-        hopeless = tree.cost[k] + least_cost(vehicle, tree.states[k]) >= tree.cost[i]
+        hopeless = tree.cost[k] + least_cost(vehicle, tree.states[k], tree.room[k]) >= tree.cost[i]
         if tree.witness[k] >= 0 and hopeless:
             _retire(tree, k)
 
@@ -248,6 +248,21 @@ def witness_anew(tree, order, select, prune):
     for i in order:  # only now: what is given back may be on the way to what is not
         if tree.witness[i] == NONE:
             _drop(tree, i)
+
+
+@entry
+def hopes(tree, vehicle, nodes, out):
+    """``out[k]`` = lower bound for the cost of a path through a node."""
+    for k in range(len(nodes)):
+        i = nodes[k]
+        out[k] = tree.cost[i] + least_cost(vehicle, tree.states[i], tree.room[i])
+
+
+@entry
+def retire(tree, nodes):
+    """Make so many active nodes active no longer."""
+    for i in nodes:
+        _retire(tree, i)
 
 
 @entry

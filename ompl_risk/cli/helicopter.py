@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from ompl_risk import planners
 from ompl_risk.cli.finding import Finder, Found
@@ -12,10 +12,13 @@ from ompl_risk.cli.roadmap import check_found, counts_of, norm_of
 from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.settings import PlanSettings
 from ompl_risk.errors import ArgumentError
+from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.steering import HelicopterSteering
 from ompl_risk.planners.roadmap.equal_time_flights import equal_time_flights
 from ompl_risk.planners.roadmap.exploring import pareto_routes
 from ompl_risk.planners.roadmap.flights import flight_roadmap
+from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
+from ompl_risk.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -25,6 +28,9 @@ PLACES = 3000
 
 STEP = 0.1
 """Time between the samples that are ranked and written [s]."""
+
+PARETO_STEP = 0.5
+"""The same for the paths of the Pareto set, of which there may be hundreds [s]."""
 
 
 class HelicopterFinder(Finder):
@@ -76,7 +82,7 @@ class HelicopterFinder(Finder):
             )
         check_found(roadmap, len(found.flights))
         if settings.pareto:
-            write_pareto(pareto_routes(roadmap), self._norm, steering.speed, folder, console)
+            self._write_pareto(roadmap, steering, folder, console)
         return Found(
             trajectories=[
                 flight.trajectory(f"alternative {k + 1}", step=STEP)
@@ -89,16 +95,29 @@ class HelicopterFinder(Finder):
             facts={
                 "roadmap": counts_of(roadmap),
                 "flights": [
-                    {
-                        "alternative": k + 1,
-                        "seconds": flight.duration,
-                        "metres": flight.length,
-                        "greatest deviation from the plan": {
-                            "metres": flight.deviation.distance,
-                            "degrees": flight.deviation.degrees,
-                        },
-                    }
+                    {"alternative": k + 1, **_in_numbers(flight)}
                     for k, flight in enumerate(found.flights)
                 ],
             },
         )
+
+    def _write_pareto(
+        self, roadmap: Roadmap, steering: HelicopterSteering, folder: RunFolder, console: Console
+    ) -> None:
+        def planned(route: Route, name: str) -> Trajectory:
+            way = steering.planned(roadmap.states[route.vertices])
+            return way.trajectory(name, step=PARETO_STEP)
+
+        write_pareto(pareto_routes(roadmap), self._norm, planned, folder, console)
+
+
+def _in_numbers(flight: Flight) -> dict[str, Any]:
+    """What the provenance tells of a flight."""
+    return {
+        "seconds": flight.duration,
+        "metres": flight.length,
+        "greatest deviation from the plan": {
+            "metres": flight.deviation.distance,
+            "degrees": flight.deviation.degrees,
+        },
+    }

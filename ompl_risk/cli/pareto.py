@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING
 
 from rich import box
@@ -24,14 +24,18 @@ ROWS = 8
 
 
 def write_pareto(
-    front: Front, norm: Norm, speed: float, folder: RunFolder, console: Console
+    front: Front,
+    norm: Norm,
+    trajectory: Callable[[Route, str], Trajectory],
+    folder: RunFolder,
+    console: Console,
 ) -> None:
     """Print some of the set, write all of it: pareto.csv, pareto.png, and the paths in pareto/.
 
     Args:
         front: the set.
         norm: by which risk is counted.
-        speed: constant speed [m/s].
+        trajectory: what a route of a name is written as.
         folder: where to write.
         console: where to print.
     """
@@ -51,7 +55,7 @@ def write_pareto(
     paths.mkdir(exist_ok=True)
     for k, route in enumerate(front.routes):
         name = f"{k + 1:04d}"
-        write_csv(paths / f"{name}.csv", Trajectory.at_constant_speed(route.states, speed, name))
+        write_csv(paths / f"{name}.csv", trajectory(route, name))
     pareto_figure(durations, norms, norm, folder.path / "pareto.png")
     console.print(_table(durations, norms, norm))
     console.print(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ompl_risk import planners
@@ -121,6 +122,10 @@ def _helicopter_finder(settings: PlanSettings, problem: planners.Problem, kind: 
     if settings.speed != PlanSettings().speed:
         allowed = "left out with --vehicle helicopter: its primitives have speeds of their own"
         raise ArgumentError("speed", settings.speed, allowed)
+    if settings.animation is not None:
+        from ompl_risk.report.film_files import check_film_path
+
+        check_film_path(Path(f"flight.{settings.animation}"))
     return HelicopterFinder(settings, problem)
 
 

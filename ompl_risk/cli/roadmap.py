@@ -16,7 +16,7 @@ from ompl_risk.norms import Norm, parse_norm
 from ompl_risk.planners.roadmap.building import roadmap_of
 from ompl_risk.planners.roadmap.equal_time import equal_time_paths
 from ompl_risk.planners.roadmap.exploring import pareto_routes
-from ompl_risk.planners.roadmap.roadmap import Roadmap
+from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -72,7 +72,7 @@ class RoadmapFinder(Finder):
             )
         check_found(roadmap, len(paths.positions))
         if settings.pareto:
-            write_pareto(pareto_routes(roadmap), self._norm, self._problem.speed, folder, console)
+            write_pareto(pareto_routes(roadmap), self._norm, self._trajectory, folder, console)
         return Found(
             trajectories=[
                 Trajectory.at_constant_speed(p, settings.speed, f"alternative {k + 1}")
@@ -83,6 +83,9 @@ class RoadmapFinder(Finder):
             separation=paths.separation,
             facts={"roadmap": counts_of(roadmap)},
         )
+
+    def _trajectory(self, route: Route, name: str) -> Trajectory:
+        return Trajectory.at_constant_speed(route.states, self._settings.speed, name)
 
 
 def norm_of(settings: PlanSettings, problem: planners.Problem) -> Norm:

@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray
-from ompl_risk._kernels import planned, rigid_body
+from ompl_risk._arrays import FloatArray, positive
+from ompl_risk._kernels import deviations, planned, rigid_body
 from ompl_risk._kernels.pieces import (
     CLIMB,
     COLUMNS,
@@ -28,6 +29,7 @@ from ompl_risk._kernels.pieces import (
 from ompl_risk.helicopter.legs import Leg, legs_of
 from ompl_risk.helicopter.library import PrimitiveLibrary
 from ompl_risk.helicopter.trims import Trim
+from ompl_risk.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,6 +69,27 @@ class PlannedRoute:
         given = self.library.helicopter.given
         planned.planned(times, rows, begins, trims, *_flights(self.library), given, out)
         return out
+
+    def trajectory(self, name: str = "", *, step: float) -> Trajectory:
+        """The planned states with attitudes and velocities in the world.
+
+        Args:
+            name: what tables and figures call it.
+            step: time between samples [s]; the last interval may be shorter.
+
+        Raises:
+            ArgumentError: a step that is not positive, or a route of no duration.
+        """
+        count = math.ceil(self.duration / positive("step", step) - 1e-9)
+        times = np.append(step * np.arange(count), self.duration)
+        states = self.at(times)
+        return Trajectory(
+            times,
+            states[:, :3],
+            name,
+            orientations=states[:, 3:7],
+            velocities=deviations.velocities_in_world(states),
+        )
 
     @cached_property
     def _table(self) -> tuple[FloatArray, FloatArray, FloatArray]:

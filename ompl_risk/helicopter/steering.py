@@ -18,6 +18,7 @@ from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.flying import fly
 from ompl_risk.helicopter.hold_states import held_vertex
 from ompl_risk.helicopter.library import PrimitiveLibrary, default_library
+from ompl_risk.helicopter.planned_route import PlannedRoute, planned_route
 from ompl_risk.helicopter.primitive_path import PrimitivePath
 from ompl_risk.helicopter.tables import connect_tables, tracks, used
 from ompl_risk.motion.base import Risk
@@ -217,6 +218,14 @@ class HelicopterSteering(KinodynamicSteering):
             ArgumentError: fewer than two, rows that are no vertices, or no way between two: says
                 which.
         """
+        return fly(self.library, *self._chained(vertices), hover=self._hover)
+
+    def planned(self, vertices: FloatArray) -> PlannedRoute:
+        """What `flight` is meant to fly; takes and raises the same, a hundred times faster."""
+        return planned_route(self.library, *self._chained(vertices))
+
+    def _chained(self, vertices: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """The first vertex and all pieces of a chain."""
         chain = self._rows("vertices", vertices)
         if len(chain) < 2:
             raise ArgumentError("len(vertices)", len(chain), "2 or more")
@@ -225,8 +234,7 @@ class HelicopterSteering(KinodynamicSteering):
             if not way.exists:
                 allowed = f"a vertex to which there is a way from vertices[{k}]"
                 raise ArgumentError(f"vertices[{k + 1}]", chain[k + 1].tolist(), allowed)
-        pieces = np.concatenate([way.pieces for way in ways])
-        return fly(self.library, chain[0], pieces, hover=self._hover)
+        return chain[0], np.concatenate([way.pieces for way in ways])
 
     def _index(self, name: str, speed: float) -> int:
         """Index of a speed of the library."""

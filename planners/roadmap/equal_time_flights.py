@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable
+from collections.abc import Callable, Hashable, Sequence
 from dataclasses import dataclass
 from itertools import combinations
 
@@ -82,6 +82,9 @@ def equal_time_flights(
 ) -> EqualTimeFlights:
     """Alternatives of a roadmap, tidied up, and flown if they still differ.
 
+    A flight deviates by up to 0.4 m from its plan. By so much it may fall short of the problem's
+    ``min_clearance``; one that collides is left out.
+
     Args:
         roadmap: of `flight_roadmap`.
         problem: the same problem.
@@ -101,6 +104,7 @@ def equal_time_flights(
         roadmap, max(SPARE * count, LEAST), excess=excess, min_distance=min_distance, sides=sides
     )
     chosen: list[_Candidate] = []
+    flights: dict[_Candidate, Flight] = {}
     tried = 0
     for route in routes:
         if len(chosen) == count:
@@ -108,10 +112,19 @@ def equal_time_flights(
         tried += 1
         candidate = _Candidate.of(tidy(route, roadmap), sides)
         if all(candidate.differs(one, min_distance) for one in chosen):
-            chosen = _timely([*chosen, candidate], excess)
+            flight = steering.flight(roadmap.states[candidate.route.vertices])
+            if _is_free(flight, problem):
+                flights[candidate] = flight
+                chosen = _timely([*chosen, candidate], excess)
         on_path(len(chosen))
+    return _together(chosen, [flights[one] for one in chosen], tried)
+
+
+def _together(
+    chosen: Sequence[_Candidate], flights: Sequence[Flight], tried: int
+) -> EqualTimeFlights:
+    """The flights of the candidates, and how they differ."""
     gaps = [frechet_distance(a.curve, b.curve) for a, b in combinations(chosen, 2)]
-    flights = [steering.flight(roadmap.states[one.route.vertices]) for one in chosen]
     return EqualTimeFlights(
         flights=tuple(flights),
         routes=tuple(one.route for one in chosen),
@@ -119,6 +132,11 @@ def equal_time_flights(
         sides=len({one.word for one in chosen}),
         tried=tried,
     )
+
+
+def _is_free(flight: Flight, problem: Problem) -> bool:
+    """Whether all flown states are clear of obstacles."""
+    return bool(np.all(problem.clearance(np.ascontiguousarray(flight.states[:, :3])) > 0.0))
 
 
 def _timely(candidates: list[_Candidate], excess: float) -> list[_Candidate]:

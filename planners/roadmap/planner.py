@@ -28,7 +28,7 @@ from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.planners.roadmap.setting import CheckerGate, Setting, read_setting
 from ompl_risk.planners.roadmap.translation import Translation
 from ompl_risk.planners.roadmap.vehicle_setting import read_vehicle_setting
-from ompl_risk.planners.roadmap.warming import warm_up
+from ompl_risk.planners.roadmap.warming import warm_up, warm_up_vehicle
 from ompl_risk.planners.roadmap.worker import Worker
 from ompl_risk.planners.sides import Sides
 
@@ -44,7 +44,9 @@ class RiskRoadmap(ob.Planner):
 
     Works over R^3 and SE(3), with a ``RiskObjective`` of any norm and clearance, or for path
     length; and over the states of a vehicle with a ``KinodynamicSteering``, as
-    ``HelicopterSteering()``: solutions are then ``oc.PathControl``.
+    ``HelicopterSteering()``: solutions are then ``oc.PathControl``. To fly one of 15 km takes some
+    300 ms after the condition holds, and flown states may be 0.4 m nearer to an obstacle than those
+    planned: a vehicle's radius should have that to spare.
 
     With other clearances than a ``TerrainClearance``, and with a validity checker or motion
     validator that is not this library's, Python runs for states and motions, batched, and some
@@ -122,7 +124,10 @@ class RiskRoadmap(ob.Planner):
         """Read the problem and compile, so that ``solve`` spends its time on planning."""
         super().setup()
         if self.getProblemDefinition() is not None:
-            warm_up(self._opened().risk.norm)
+            roadmap = self._opened()
+            warm_up(roadmap.risk.norm)
+            if isinstance(self._steering, KinodynamicSteering) and not roadmap.n:
+                warm_up_vehicle(roadmap, self._steering)
 
     def clear(self) -> None:
         """Forget the roadmap and what was found."""

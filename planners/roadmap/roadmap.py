@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk.motion import MotionBatch, Risk
+from ompl_risk.planners.roadmap.bounding import Bounding
 from ompl_risk.planners.roadmap.edges import Edges
 from ompl_risk.planners.roadmap.gate import Gate, OpenGate
 from ompl_risk.planners.roadmap.graph import Graph, Integers
@@ -24,9 +25,6 @@ THIN = 1.5
 
 SPARSE = 3000
 """Vertices below which that is not worth while."""
-
-CHUNK = 1 << 15
-"""Edges that are bounded at a time: some 20 ms where a steering has to be asked."""
 
 Stop = Callable[[], bool]
 
@@ -106,6 +104,7 @@ class Roadmap:
         self._thinned = 0
         self._search = LazySearch(self.edges, maximum=self.maximum)
         self._portions = Portions()
+        self._unfinished: Bounding | None = None
 
     @property
     def maximum(self) -> bool:
@@ -144,9 +143,13 @@ class Roadmap:
     def grow(self, n: int, stop: Stop = never) -> int:
         """Sample n places and connect those that are allowed and could improve on ``best``.
 
+        If ``stop`` said so before they were connected, the next call goes on with the same ones.
+
         Returns:
             How many states were added; fewer if ``stop`` says so.
         """
+        if self._unfinished is not None:
+            return len(self._connect(self._unfinished, stop))
         states = self.region.sample(n, within=self._worthwhile())
         parts = self._parts(len(states), stop)
         found = [states[part][self._useful(states[part])] for part in parts]
@@ -229,46 +232,24 @@ class Roadmap:
         Returns:
             Their numbers, shape (k,); none if ``stop`` said so before they were connected.
         """
-        start = self.n
         # A user's clearance may raise: nothing is changed before all has been answered.
         every = np.vstack([self.states, states])
         clearance = np.concatenate([self.clearance, self.motions.clearances(states)])
-        tail, head = new_pairs(every, start, self.region, self._threads)
+        tail, head = new_pairs(every, self.n, self.region, self._threads)
         if not self.edges.undirected:
             tail, head = np.concatenate([tail, head]), np.concatenate([head, tail])
-        bounded = self._bounded(every, clearance, tail, head, stop)
-        if bounded is None:
+        return self._connect(Bounding(self.motions, every, clearance, tail, head), stop)
+
+    def _connect(self, work: Bounding, stop: Stop) -> Integers:
+        """Take in the new vertices of ``work`` once it is done; their numbers, shape (k,)."""
+        done = work.finished(stop)
+        self._unfinished = None if done else work
+        if not done:
             return np.empty(0, np.int32)
-        tail, head, bound, least = bounded
-        self.states, self.clearance = every, clearance
-        self.edges.add(self.n, tail, head, risk=bound, duration=least)
+        start, found = self.n, work.result()
+        self.states, self.clearance = work.states, work.clearance
+        self.edges.add(self.n, found.tail, found.head, risk=found.risk, duration=found.duration)
         return np.arange(start, self.n, dtype=np.int32)
-
-    def _bounded(
-        self,
-        states: FloatArray,
-        clearance: FloatArray,
-        tail: Integers,
-        head: Integers,
-        stop: Stop = never,
-    ) -> tuple[Integers, Integers, FloatArray, FloatArray] | None:
-        """The pairs between which there may be a motion, with lower bounds for its risk and time.
-
-        Those between which there is none are left out. None if ``stop`` says so.
-        """
-        bound, least = np.empty(len(tail)), np.empty(len(tail))
-        for i in range(0, len(tail), CHUNK):
-            if i > 0 and stop():
-                return None
-            part = slice(i, i + CHUNK)
-            t, h = tail[part], head[part]
-            bound[part], least[part] = self.motions.edge_bounds(
-                states[t], states[h], clearance[t], clearance[h]
-            )
-        exist = np.isfinite(least)
-        if exist.all():
-            return tail, head, bound, least
-        return tail[exist], head[exist], bound[exist], least[exist]
 
     def thin_out(self) -> None:
         """Connect all vertices anew to their nearest, and keep what else has been evaluated.
@@ -284,10 +265,9 @@ class Roadmap:
         if not old.undirected:
             near, far = np.concatenate([near, far]), np.concatenate([far, near])
         new = ~np.isin(self._keys(near, far), self._keys(tail, head))
-        bounded = self._bounded(self.states, self.clearance, near[new], far[new])
-        if bounded is None:  # it was not told to stop
-            return
-        near, far, bound, least = bounded
+        work = Bounding(self.motions, self.states, self.clearance, near[new], far[new])
+        work.finished(never)
+        near, far, bound, least = work.result()
         self.edges = Edges(time_weight=self._time_weight, undirected=old.undirected)
         self.edges.add(self.n, tail, head, risk=risk, duration=duration)
         self.edges.evaluated(np.arange(len(kept), dtype=np.int32), risk, duration)

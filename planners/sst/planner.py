@@ -26,21 +26,24 @@ from ompl_risk.planners.sst.tree import SparseTree
 WEIGHTS = np.array([1.0, 9.0, 1.0])
 """In the distance of two states 1 m counts as much as 1 m/s, a third of a radian, or 1 rad/s."""
 
-NODES = 100_000
-"""Of the tree at most: some 60 MB."""
+NODES = 50_000
+"""Of the tree at most: some 25 MB."""
 
 
 class SST(ob.Planner):
     """Stable sparse RRT for the helicopter: an anytime planner for least duration or least risk.
 
     Grows a tree of flights by random acts from the best node near a random state. Of all nodes near
-    a witness only the cheapest is kept (pruning), so the tree stays sparse; as the radii shrink,
-    paths approach the optimum (SST*). An act is one of three, flown for 0.1 to 1 s: inputs held; an
-    acceleration held; or to reach for a state, the goal among them, which goes on for as long as
-    its branches are kept. The latter two become inputs through an attitude loop, anew for each hold
-    of inputs; the path has exactly the inputs that were flown, so it replays to the last digit.
-    Beyond the published algorithm, samples are also drawn near the best path, and nodes that cannot
-    lead to a better one are given up.
+    a witness only the cheapest is kept (pruning), so the tree stays sparse; the radii shrink with
+    time, as in SST*. An act is one of three, flown for 0.1 to 2 s: inputs held; an acceleration
+    held; or to reach for a state, the goal among them, which goes on for as long as its branches
+    are kept. The latter two become inputs through an attitude loop, anew for each hold of inputs;
+    the path has exactly the inputs that were flown, so it replays to the last digit.
+
+    Beyond the published algorithm, samples are also drawn near the best path, nodes that cannot
+    lead to a better one are given up, and the least promising ones too when memory is full. The
+    published guarantee of asymptotic optimality needs unbounded memory and rounds far longer than
+    those after which the radii shrink here: that paths become better is measured, not guaranteed.
 
     Inputs keep to the bounds of the control space: a wide one (``simple_setup(authority=1.0,
     holds=(1, 25))``) gives quicker flights. Between two steps the flight is free for certain, not

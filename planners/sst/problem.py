@@ -117,7 +117,7 @@ def read_problem(si: Any, goal: HelicopterGoal, objective: Any, helicopter: Heli
         low=low,
         high=high,
         loop=_loop(hold * dt, envelope.limits, helicopter, high - hover),
-        goal=np.array([*goal.state[:3], *world_velocity(goal.state), goal.radius, goal.tolerance]),
+        goal=_goal(goal, clearance),
         settings=_settings(dt, hold, risk),
     )
     _check_motion(si, helicopter, vehicle, hover)
@@ -201,6 +201,13 @@ def _loop(hold: float, limits: Any, helicopter: Helicopter, spare: FloatArray) -
             brake,
         ]
     )
+
+
+def _goal(goal: HelicopterGoal, clearance: TerrainClearance) -> FloatArray:
+    """A goal as kernels take it."""
+    place, room = goal.state[:3], clearance(goal.state[None, :3])
+    velocity = world_velocity(goal.state)
+    return np.array([*place, *velocity, goal.radius, goal.tolerance, *room])
 
 
 def _settings(dt: float, hold: int, risk: Risk | None) -> FloatArray:

@@ -21,14 +21,17 @@ SHRINK = 0.85
 ROUND = 5000
 """Iterations of a round at least."""
 
-TURNS = 2
+TURNS = 1
 """Iterations of a round for each active node at least: the larger the tree, the longer."""
 
 FULL = 0.9
-"""Part of the nodes from which the radii grow, so that there is always room for better ones."""
+"""Part of the nodes that are in use when room has to be made for better ones."""
+
+THIN = 0.3
+"""Part of the nodes that are given up then, once there is a path; before, the radii grow."""
 
 HALF_FULL = 0.6
-"""Part of the nodes from which the radii shrink no more."""
+"""Part of the nodes from which the radii shrink no more before there is a path."""
 
 
 class Progress(NamedTuple):
@@ -123,7 +126,7 @@ class Searching:
         self.found = cost, flight
 
     def _follow(self) -> None:
-        """Smaller radii after a round, larger ones when the tree is full."""
+        """Smaller radii after a round, and room in a full tree."""
         tree = self._tree
         done = tree.count(sst_tree.ITERATIONS)
         if done % CHUNK:
@@ -131,9 +134,12 @@ class Searching:
         share = max(tree.count(sst_tree.NODES), tree.count(sst_tree.WITNESSES)) / tree.most
         round_over = done - tree.round >= max(ROUND, TURNS * tree.count(sst_tree.ACTIVE))
         factor = 1.0
-        if share > FULL:
+        found = tree.count(sst_tree.BEST) >= 0
+        if share > FULL and found:
+            tree.thin_out(THIN)
+        elif share > FULL:
             factor = 1.0 / SHRINK
-        elif self._shrink and share < HALF_FULL and round_over:
+        elif self._shrink and round_over and (found or share < HALF_FULL):
             factor = SHRINK
         if factor != 1.0:
             tree.scale(factor)

@@ -102,11 +102,25 @@ class SparseTree:
 
     def scale(self, share: float) -> None:
         """Change the radii, and choose the witnesses anew."""
-        active = np.flatnonzero(self.arrays.witness[: self.count(sst_tree.ROWS)] >= 0)
-        order = active[np.argsort(self.arrays.cost[active], kind="stable")].astype(np.int32)
+        active = self._active()
+        order = active[np.argsort(self.arrays.cost[active], kind="stable")]
         select, prune = share * self.arrays.radii
         sst_tree.witness_anew(self.arrays, order, select, prune)
-        self.round = self.count(sst_tree.ITERATIONS)
+        if share != 1.0:
+            self.round = self.count(sst_tree.ITERATIONS)
+
+    def thin_out(self, share: float) -> None:
+        """Give up this part of the active nodes: those that promise least."""
+        active = self._active()
+        hopes = np.empty(len(active))
+        sst_tree.hopes(self.arrays, self.vehicle, active, hopes)
+        kept = int((1.0 - share) * len(active))
+        sst_tree.retire(self.arrays, active[np.argsort(hopes, kind="stable")[kept:]])
+        self.scale(1.0)
+
+    def _active(self) -> NDArray[np.int32]:
+        there = self.arrays.witness[: self.count(sst_tree.ROWS)] >= 0
+        return np.flatnonzero(there).astype(np.int32)
 
     def compile(self, draw: sst.Draw) -> None:
         """Compile what a search calls, or load it from numba's cache."""

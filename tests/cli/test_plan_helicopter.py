@@ -134,3 +134,29 @@ def test_no_flight_is_an_error_that_says_why(wall_file, tmp_path, refused):
     arguments[arguments.index("--ceiling") + 1] = "90"
     line = refused(*arguments)
     assert "no path in a roadmap of" in line
+
+
+def test_a_film_that_cannot_be_written_is_refused_before_work_starts(
+    wall_file, tmp_path, refused, monkeypatch
+):
+    from ompl_risk.report import film_files
+
+    monkeypatch.setattr(film_files.FFMpegWriter, "isAvailable", lambda: False)
+    out = tmp_path / "none"
+    line = refused("plan", "--terrain", wall_file, *SCENE, "--animation", "mp4", "--output", out)
+    assert all(word in line for word in ("MP4", "ffmpeg", ".gif")), line
+    assert not out.exists()
+
+
+def test_the_pareto_set_is_written_as_planned(wall_file, tmp_path):
+    out = tmp_path / "front"
+    scene = [*SCENE, "--pareto", "--roadmap-norm", "L2", "--output", str(out)]
+    assert main(["plan", "--terrain", wall_file, *scene]) == 0
+    front = read_columns(out / "pareto.csv")
+    files = sorted((out / "pareto").glob("*.csv"))
+    assert len(files) == len(front["path"]) > 1
+    for file, seconds in zip(files, front["duration_s"], strict=True):
+        trajectory = read_trajectory(file)
+        assert trajectory.duration == pytest.approx(float(seconds), abs=1e-6)
+        assert np.linalg.norm(trajectory.velocities, axis=1).max() < 31.0
+        np.testing.assert_allclose(trajectory.positions[-1, :2], [2700.0, 1000.0], atol=1e-6)

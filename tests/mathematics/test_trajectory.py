@@ -108,6 +108,16 @@ def test_densify_is_the_same_motion(xs, max_step, start):
     np.testing.assert_array_equal(back.positions, trajectory.positions)
 
 
+@pytest.mark.parametrize("max_step", [0.1, 0.25, 1.0, 3.0])
+def test_densify_again_changes_nothing(max_step):
+    """3 m a step, far from the origin: rounding makes parts of 1 m longer than that."""
+    t = 0.1 * np.arange(300)
+    along = 30.0 * t[:, None] * np.array([np.cos(0.3), np.sin(0.3), 0.0])
+    dense = Trajectory(t, along + np.array([20700.3, 11000.7, 333.1])).densify(max_step)
+    assert len(dense) == 1 + 299 * round(3.0 / max_step)
+    assert dense.densify(max_step) is dense
+
+
 def test_subdivide_refuses_what_is_no_division(full):
     for parts in ([1], [1, 0], [2, 2, 2]):
         with pytest.raises(ArgumentError, match=r"parts = .*2 whole numbers >= 1"):

@@ -30,6 +30,7 @@ def test_ends_are_above_the_ground_and_the_box_holds_them(clearance, wall):
     [
         ("start", (-1.0, 1000.0), "within the terrain: x 0 to 3000 m"),
         ("goal", (200.0, 2001.0), "within the terrain"),
+        ("goal", (200.0, 1000.0), "another place than start"),
         ("start", (math.nan, 0.0), "finite"),
         ("start", (1.0, 2.0, 3.0), "x, y"),
         ("start_height", 4.0, "in collision"),

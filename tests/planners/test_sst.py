@@ -279,9 +279,7 @@ def test_a_start_in_the_goal():
 
 
 def test_no_way():
-    wall = np.zeros((13, 21))
-    wall[:, 10] = TOP + 20.0
-    setup, planner = planned(setup_of(Terrain(wall, spacing=(10.0, 10.0))), iterations=500)
+    setup, planner = planned(setup_of(walled()), iterations=500)
     assert not setup.haveSolutionPath()
     assert planner.history == []
     assert "500 iterations" in planner.reason
@@ -292,7 +290,21 @@ def test_a_full_tree_makes_room(monkeypatch):
     setup, planner = planned(iterations=4000)
     assert solution(setup).check()
     assert planner.tree.count(4) <= 200
-    assert planner.tree.pruning > 1.7  # 1.2 % of 140 m, and more
+    assert len(planner.history) > 3
+
+
+def test_without_a_path_a_full_tree_becomes_coarser(monkeypatch):
+    monkeypatch.setattr(planner_module, "NODES", 200)
+    _, planner = planned(setup_of(walled()), iterations=2000)
+    assert planner.history == []
+    assert planner.tree.count(4) <= 200
+    assert planner.tree.pruning > 1.2 * 0.012 * 140.0
+
+
+def walled():
+    heights = np.zeros((13, 21))
+    heights[:, 10] = TOP + 20.0
+    return Terrain(heights, spacing=(10.0, 10.0))
 
 
 @pytest.mark.parametrize("shrink", [True, False])

@@ -14,6 +14,7 @@ from ompl_risk._kernels.buckets import MARK, NONE, Buckets, least_near, nearest_
 from ompl_risk._kernels.inner_loop import ACT, HELD, PUSH, REACH
 from ompl_risk._kernels.jit import entry
 from ompl_risk._kernels.rigid_body import rollout
+from ompl_risk.avoidance import InverseDistance
 from ompl_risk.norms import Lp, Sobolev
 from ompl_risk.planners.sst.habits import Habits
 
@@ -171,9 +172,9 @@ def test_reaching_gets_there_and_stops(open_sky):
 
 @settings(max_examples=60, deadline=None)
 @given(st.integers(0, 10**6))
-def test_inputs_keep_to_their_range(seed):
+def test_inputs_keep_to_their_range(open_sky, seed):
     rng = np.random.default_rng(seed)
-    vehicle = small().problem.vehicle
+    vehicle = open_sky.problem.vehicle
     state = marks_of(rng, 1)[0]
     kind, out = rng.choice([PUSH, REACH]), np.empty(4)
     command(
@@ -181,15 +182,6 @@ def test_inputs_keep_to_their_range(seed):
     )
     assert (out >= vehicle.low).all()
     assert (out <= vehicle.high).all()
-
-
-_small = []
-
-
-def small():
-    if not _small:
-        _small.append(growth())
-    return _small[0]
 
 
 # branches
@@ -207,7 +199,7 @@ def test_a_branch_ends_where_the_goal_begins(open_sky):
 
 
 def test_a_branch_into_the_ridge_is_not_allowed():
-    grown = small()
+    grown = growth()
     said = flown(grown, [REACH, *GOAL, 0.0, 0.0, 0.0, 3.0], 2000, state=at_rest(*START))[2]
     assert said[0] == 0
     lowest = [START[0], START[1], -5.0]
@@ -335,10 +327,62 @@ def test_nothing_hopeless_stays_once_there_is_a_path():
         grown.tree.grow(grown.draw, 1000)
     _, active = check(grown)
     a, vehicle = grown.tree.arrays, grown.problem.vehicle
+    assert len(active) > 20
     way = np.linalg.norm(a.states[active, :3] - vehicle.goal[:3], axis=1) - 5.0
     assert (a.cost[active] + np.maximum(way, 0.0) / 35.0 < grown.tree.cost).all()
-    k = int(active[0])
-    assert least_cost(vehicle, a.states[k]) == pytest.approx(max(way[0], 0.0) / 35.0)
+
+
+@entry
+def left_to_pay(vehicle, states, rooms, out):
+    for k in range(len(states)):
+        out[k] = least_cost(vehicle, states[k], rooms[k])
+
+
+@pytest.mark.parametrize(
+    "norm", [Lp(1), Lp(2), Lp(3), Sobolev(1), Sobolev(1, time_scale=3.0)], ids=lambda n: n.label
+)
+def test_no_flight_is_cheaper_than_the_bound(norm):
+    setup = setup_of(risk=True, norm=norm, avoidance=InverseDistance(40.0))
+    grown = growth(setup)
+    problem, tree, draw = grown
+    while not tree.grow(draw, 1000):
+        pass
+    states = tree.flight().states
+    rooms, bounds = problem.clearance(states[:, :3]), np.empty(len(states))
+    left_to_pay(problem.vehicle, states, rooms, bounds)
+    costs = np.array([problem.cost(states[k:]) for k in range(len(states))])
+    assert (bounds <= costs + 1e-15).all()
+    assert bounds[len(bounds) // 2] > 0.0
+    assert bounds[-1] == 0.0 or bounds[-1] < costs[-10]
+
+
+def test_the_bound_of_the_duration_is_the_way_at_top_speed():
+    problem = growth().problem
+    out = np.empty(2)
+    left_to_pay(problem.vehicle, np.array([at_rest(*START), at_rest(*GOAL)]), np.ones(2), out)
+    assert out.tolist() == [pytest.approx(135.0 / 35.0, rel=1e-8), 0.0]
+
+
+def test_thinning_keeps_what_promises_most():
+    grown = growth()
+    while not grown.tree.grow(grown.draw, 1000):
+        pass
+    grow(grown, 300)
+    _, before = check(grown)
+    a, vehicle = grown.tree.arrays, grown.problem.vehicle
+    bound = np.empty(len(before))
+    left_to_pay(vehicle, a.states[before], a.room[before], bound)
+    hopes, best = a.cost[before] + bound, grown.tree.cost
+    grown.tree.thin_out(0.4)
+    _, after = check(grown)
+    promising = before[np.argsort(hopes, kind="stable")[: int(0.6 * len(before))]]
+    assert set(after) <= set(promising)
+    for i in set(promising) - set(after):  # witnesses are chosen anew, and may stand for it too
+        near = [k for k in after if apart(a.marks[i], a.marks[k]) <= grown.tree.pruning]
+        assert min(a.cost[near]) <= a.cost[i]
+    assert len(after) > 0.5 * len(before)
+    assert grown.tree.cost == best
+    assert len(grown.tree.flight().states) > 1
 
 
 @pytest.mark.parametrize("factor", [0.7, 1.5])

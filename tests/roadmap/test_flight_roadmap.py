@@ -1,6 +1,7 @@
 """Roadmaps of trajectory primitives: what they find is flown, and nothing faster is missed."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -140,6 +141,23 @@ def test_same_seed_same_roadmap(problem, steering, roadmap):
     assert again.fastest().duration == roadmap.fastest().duration
 
 
+def test_growing_that_is_always_cut_short_comes_to_the_same_end(problem, steering, roadmap):
+    """Calls of ``solve`` may be shorter than it takes to connect what has been sampled."""
+    parts = flight_roadmap(problem, steering, places=1, seed=3, threads=1)
+    whole = flight_roadmap(problem, steering, places=1, seed=3, threads=1)
+    assert whole.grow(250) > 0
+    calls = 1
+    while parts.grow(250, stop=lambda: True) == 0:
+        assert parts.n < whole.n
+        calls += 1
+        assert calls < 20
+    assert calls > 1
+    np.testing.assert_array_equal(parts.states, whole.states)
+    assert parts.edges.m == whole.edges.m
+    np.testing.assert_array_equal(parts.edges.weight, whole.edges.weight)
+    assert parts.fastest().duration == whole.fastest().duration
+
+
 def test_risk_can_be_any_norm_that_adds_up(problem, steering):
     by_maximum = flight_roadmap(problem, steering, places=250, seed=3, norm=Lp(math.inf), threads=1)
     route = by_maximum.search()
@@ -166,3 +184,22 @@ def test_region_of_vertices(steering):
     assert (inner[:, :3] <= high - 5.0).all()
     # headings all round
     assert np.histogram(states[::3, 3] % (2 * math.pi), 4, (0.0, 2 * math.pi))[0].min() >= 10
+
+
+def test_flights_that_collide_beside_their_plan_are_left_out(roadmap, problem, steering):
+    """With a clearance that the flown states break though the planned ones do not."""
+    options = {"excess": 0.25, "min_distance": 100.0}
+    found = equal_time_flights(roadmap, problem, steering, 3, **options)
+    refused = found.flights[0].states[:, :3]
+
+    class Struck:
+        def __call__(self, points):
+            d = problem.clearance(points)
+            return d - 1e3 * (len(points) == len(refused) and np.array_equal(points, refused))
+
+    struck = replace(problem, clearance=Struck())
+    again = equal_time_flights(roadmap, struck, steering, 3, **options)
+    assert again.tried >= found.tried or len(again.flights) < len(found.flights)
+    for flight in again.flights:
+        assert not np.array_equal(flight.states[:, :3], refused)
+    assert len(again.flights) >= 1

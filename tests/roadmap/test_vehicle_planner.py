@@ -196,3 +196,19 @@ def test_a_hover_is_reached_with_any_heading(solved):
     headings = planner.roadmap.states[planner.roadmap.goals, 3] % (2.0 * np.pi)
     assert len(headings) == 16
     np.testing.assert_allclose(np.diff(np.sort(headings)), np.pi / 8.0, atol=1e-9)
+
+
+def test_setup_flies_so_that_solve_need_not_load_what_that_takes(clearance, monkeypatch):
+    flown = []
+    fly = HelicopterSteering.flight
+
+    def counted(self, vertices):
+        flown.append(len(vertices))
+        return fly(self, vertices)
+
+    monkeypatch.setattr(HelicopterSteering, "flight", counted)
+    setup, planner = set_up(clearance)
+    setup.setup()
+    assert len(flown) > 5
+    assert planner.roadmap.n == 0
+    assert planner.roadmap.evaluated == 0
