@@ -79,9 +79,7 @@ class Problem:
     @property
     def obstacles(self) -> Any:
         """The clearance less `min_clearance`: positive where a path may be."""
-        if isinstance(self.clearance, TerrainClearance):
-            return self.clearance.with_radius(self.clearance.radius + self.min_clearance)
-        return _Margin(self.clearance, self.min_clearance) if self.min_clearance else self.clearance
+        return narrowed(self.clearance, self.min_clearance)
 
     def _check_end(self, argument: str) -> None:
         point = getattr(self, argument)
@@ -94,6 +92,15 @@ class Problem:
                 f"more than {self.min_clearance:g} m from obstacles; its clearance is {d:.4g} m"
             )
             raise ArgumentError(argument, point.tolist(), allowed)
+
+
+def narrowed(clearance: Any, margin: float) -> Any:
+    """A clearance less a margin [m]: of a larger body."""
+    if margin == 0.0:
+        return clearance
+    if isinstance(clearance, TerrainClearance):
+        return clearance.with_radius(clearance.radius + margin)
+    return _Margin(clearance, margin)
 
 
 class _Margin:

@@ -82,6 +82,7 @@ class HelicopterSteering(KinodynamicSteering):
     width = 5
     state_width = 13
     dimensions = 4
+    slack = 0.5
 
     def __init__(
         self,

@@ -29,12 +29,14 @@ class KinodynamicSteering(ABC):
         state_width: numbers in a state of the vehicle.
         dimensions: uniform numbers that a vertex is made from.
         speed: greatest speed of the vehicle on any connection [m/s].
+        slack: how far a flight may be beside its connections [m].
     """
 
     width: int
     state_width: int
     dimensions: int
     speed: float
+    slack: float = 0.0
 
     @abstractmethod
     def vertices(self, unit: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:

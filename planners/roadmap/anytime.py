@@ -14,7 +14,7 @@ from ompl_risk._arrays import FloatArray
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 
 FIRST = 1000
-"""States sampled for the first roadmap: over terrain a first path is then found in some 30 ms."""
+"""Vertices sampled for the first roadmap: over terrain a first path is then found in some 30 ms."""
 
 FIRST_SLOW = 200
 """The same where every distance is a call of Python."""
@@ -95,10 +95,19 @@ class Growing:
         self._look(stop)
         while not stop() and not self._finished():
             self._add_goals()
-            size = min(max(self._first, int(GROWTH * self._roadmap.n)), self._most, self._left)
+            size = min(self._batch(), self._left)
             self._left -= size
             self._roadmap.grow(int(size), stop)
             self._look(stop)
+
+    def _batch(self) -> int:
+        """Places to sample next: as many vertices as asked for, and not too many edges."""
+        roadmap, copies = self._roadmap, self._roadmap.region.copies
+        wanted = min(max(self._first, int(GROWTH * roadmap.n)), self._most)
+        room = LIMIT - roadmap.n
+        if roadmap.edges.m:
+            room = min(room, int((EDGES / roadmap.edges.m - 1.0) * roadmap.n))
+        return max(min(wanted, room) // copies, 1)
 
     def _finished(self) -> bool:
         roadmap = self._roadmap

@@ -73,10 +73,13 @@ class BoxGate(Gate):
         motions: of the steering.
         low: least coordinates [m], shape (3,).
         high: greatest coordinates [m], shape (3,).
+        margin: that motions keep to the sides of the box [m].
     """
 
-    def __init__(self, motions: MotionBatch, low: FloatArray, high: FloatArray) -> None:
-        self._motions, self._low, self._high = motions, low, high
+    def __init__(
+        self, motions: MotionBatch, low: FloatArray, high: FloatArray, *, margin: float = 0.0
+    ) -> None:
+        self._motions, self._low, self._high, self._margin = motions, low, high, margin
         self.compiled = motions.compiled
 
     def allows_states(self, states: FloatArray) -> Flags:
@@ -87,7 +90,8 @@ class BoxGate(Gate):
     def allows_motions(self, a: FloatArray, b: FloatArray) -> Flags:
         """Which motions lie in the box throughout."""
         low, high = self._motions.extents(a, b)
-        return np.all((low >= self._low) & (high <= self._high), axis=1)
+        within = (low >= self._low + self._margin) & (high <= self._high - self._margin)
+        return np.all(within, axis=1)
 
 
 class AllGates(Gate):

@@ -45,8 +45,8 @@ class RiskRoadmap(ob.Planner):
     Works over R^3 and SE(3), with a ``RiskObjective`` of any norm and clearance, or for path
     length; and over the states of a vehicle with a ``KinodynamicSteering``, as
     ``HelicopterSteering()``: solutions are then ``oc.PathControl``. To fly one of 15 km takes some
-    300 ms after the condition holds, and flown states may be 0.4 m nearer to an obstacle than those
-    planned: a vehicle's radius should have that to spare.
+    300 ms after the condition holds. Connections keep as much farther from obstacles and from the
+    sides of the box as a flight may be beside them, half a metre for the helicopter.
 
     With other clearances than a ``TerrainClearance``, and with a validity checker or motion
     validator that is not this library's, Python runs for states and motions, batched, and some
@@ -59,7 +59,7 @@ class RiskRoadmap(ob.Planner):
             time.
         steering: how vertices are connected, and for a vehicle with dynamics what they are;
             straight at the objective's speed if left out.
-        iterations: states to sample in a call of ``solve``; no limit if left out. Runs with the
+        iterations: places to sample in a call of ``solve``; no limit if left out. Runs with the
             same limit and seed, and enough time, give the same path.
         threads: of compiled code; ``None`` uses all processors.
 

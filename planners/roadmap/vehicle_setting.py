@@ -14,6 +14,7 @@ from ompl_risk.errors import ArgumentError
 from ompl_risk.motion import Risk
 from ompl_risk.motion.kinodynamic import KinodynamicSteering
 from ompl_risk.norms import Lp
+from ompl_risk.planners.problem import narrowed
 from ompl_risk.planners.roadmap.gate import BoxGate, ClearanceGate, Gate, all_of
 from ompl_risk.planners.roadmap.region import VertexRegion
 from ompl_risk.planners.roadmap.setting import Setting, bounds_of, counted, distinct, obstacles_of
@@ -63,10 +64,10 @@ def read_vehicle_setting(
     seen = obstacles[0] if clearance is None else clearance
     motions = steering.batch(seen, replace(risk, duration_weight=0.0), threads=threads)
     free = Risk(speed=steering.speed)
-    gates: list[Gate] = [BoxGate(motions, region.low, region.high)]
+    gates: list[Gate] = [BoxGate(motions, region.low, region.high, margin=steering.slack)]
     gates += [
-        ClearanceGate(steering.batch(one, free, threads=threads))
-        for one in distinct(obstacles, seen)
+        ClearanceGate(steering.batch(narrowed(one, steering.slack), free, threads=threads))
+        for one in [seen, *distinct(obstacles, seen)]
     ]
     return Setting(
         region,

@@ -17,6 +17,7 @@ from ompl_risk._kernels.rigid_body import rollout
 from ompl_risk.avoidance import InverseDistance
 from ompl_risk.norms import Lp, Sobolev
 from ompl_risk.planners.sst.habits import Habits
+from ompl_risk.terrains import Terrain
 
 WEIGHTS = np.array([1.0, 9.0, 1.0])
 
@@ -206,6 +207,17 @@ def test_a_branch_into_the_ridge_is_not_allowed():
     assert (
         flown(grown, [REACH, *lowest, 0.0, 0.0, 0.0, 3.0], 2000, state=at_rest(*START))[2][0] == 0
     )
+
+
+def test_no_blade_is_jumped_over_between_two_steps():
+    heights = np.zeros((13, 1001))
+    heights[:, 500] = 60.0  # 0.4 m wide at its foot, less higher up; a step is 0.66 m long
+    grown = growth(setup_of(Terrain(heights, spacing=(0.2, 10.0)), body=0.01))
+    for x in np.linspace(90.0, 90.66, 40):
+        state = at_rest(x, z=55.0)
+        state[7] = 33.0
+        assert flown(grown, [HELD, *grown.problem.hover], 10, state=state, room=9.0)[2][0] == 10
+        assert flown(grown, [HELD, *grown.problem.hover], 25, state=state, room=9.0)[2][0] == 0
 
 
 @pytest.mark.parametrize(

@@ -25,11 +25,14 @@ def clearance():
     return TerrainClearance(terrains.Terrain(ridge * gap, spacing=(50.0, 50.0)), 2.0, threads=1)
 
 
-def set_up(clearance, start=START, goal=GOAL, **options):
+def set_up(clearance, start=START, goal=GOAL, slack=None, **options):
+    steering = HelicopterSteering()
+    if slack is not None:
+        steering.slack = slack
     setup = helicopter.simple_setup(clearance, start=start, goal=goal, low=LOW, high=HIGH)
     si = setup.getSpaceInformation()
     options = {"seed": 1, "iterations": 400, "threads": 1, **options}
-    planner = RiskRoadmap(si, steering=HelicopterSteering(), **options)
+    planner = RiskRoadmap(si, steering=steering, **options)
     setup.setPlanner(planner)
     return setup, planner
 
@@ -188,7 +191,32 @@ def test_a_wider_obstacle_than_the_objectives_is_kept_clear_of(clearance):
     setup.setOptimizationObjective(RiskObjective(si, clearance, speed=30.0))
     assert setup.solve(60.0)
     states = planner.roadmap.best.states[:, :3]
-    assert wide(np.ascontiguousarray(states)).min() > 0.0
+    assert wide(np.ascontiguousarray(states)).min() > 0.5 - 2e-3
+
+
+@pytest.mark.parametrize(("slack", "nearest"), [(0.0, 0.44), (0.5, 44.0), (20.0, 44.0)])
+def test_connections_keep_the_slack_of_a_flight_to_obstacles(slack, nearest, clearance):
+    """The fastest way that one seed finds comes within half a metre if it may."""
+    setup, planner = set_up(clearance, slack=slack, seed=4, iterations=1500)
+    space_information = setup.getSpaceInformation()
+    setup.setOptimizationObjective(ob.PathLengthOptimizationObjective(space_information))
+    assert setup.solve(60.0)
+    states = planner.roadmap.best.states[:, :3]
+    least = clearance(np.ascontiguousarray(states)).min()
+    assert least >= slack - 2e-3
+    assert least == pytest.approx(nearest, abs=0.2)
+
+
+@pytest.mark.parametrize("slack", [0.0, 20.0])
+def test_connections_keep_the_slack_of_a_flight_to_the_sides_of_the_box(slack, clearance):
+    setup, planner = set_up(clearance, slack=slack, seed=5, iterations=1500)
+    space_information = setup.getSpaceInformation()
+    setup.setOptimizationObjective(ob.PathLengthOptimizationObjective(space_information))
+    assert setup.solve(60.0)
+    states = planner.roadmap.best.states[:, :3]
+    room = min((states - LOW).min(), (HIGH - states).min())
+    assert room >= slack - 1e-9
+    assert (room < 20.0) == (slack == 0.0)
 
 
 def test_a_hover_is_reached_with_any_heading(solved):
