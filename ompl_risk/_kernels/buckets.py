@@ -147,7 +147,7 @@ def least_near(buckets, marks, costs, mark, radius, weights):
     cheapest, least = NONE, math.inf
     nearest, best, near = NONE, math.inf, radius * radius
     for shell in range(max(nx, ny, nz)):
-        reach = 0.0 if cheapest != NONE else max(radius, math.sqrt(best))
+        reach = radius if cheapest != NONE else max(radius, math.sqrt(best))
         if (shell - 1) * buckets.low[3] >= reach:
             break
         x0, x1 = max(cx - shell, 0), min(cx + shell, nx - 1)

@@ -17,6 +17,7 @@ from ompl_risk.planners.roadmap.gate import Gate, OpenGate
 from ompl_risk.planners.roadmap.graph import Graph, Integers
 from ompl_risk.planners.roadmap.neighbours import new_pairs
 from ompl_risk.planners.roadmap.portions import Portions
+from ompl_risk.planners.roadmap.prospects import Prospects
 from ompl_risk.planners.roadmap.region import Region
 from ompl_risk.planners.roadmap.search import LazySearch, ReweighedSearch, Weigh, duration_within
 
@@ -95,7 +96,7 @@ class Roadmap:
         self.clearance: FloatArray = np.empty(0)
         self.starts: list[int] = []
         self.goals: list[int] = []
-        self.edges = Edges(time_weight=self._time_weight, undirected=undirected)
+        self.edges = Edges(time_weight=self.time_weight, undirected=undirected)
         self.whole: dict[int, FloatArray] = {}
         self.best: Route | None = None
         self.evaluated = 0
@@ -104,6 +105,7 @@ class Roadmap:
         self._thinned = 0
         self._search = LazySearch(self.edges, maximum=self.maximum)
         self._portions = Portions()
+        self._prospects = Prospects(self)
         self._unfinished: Bounding | None = None
 
     @property
@@ -150,7 +152,7 @@ class Roadmap:
         """
         if self._unfinished is not None:
             return len(self._connect(self._unfinished, stop))
-        states = self.region.sample(n, within=self._worthwhile())
+        states = self.region.sample(n, within=self._prospects.box())
         parts = self._parts(len(states), stop)
         found = [states[part][self._useful(states[part])] for part in parts]
         added = len(self.insert(np.vstack([np.empty((0, self.region.width)), *found]), stop))
@@ -164,67 +166,15 @@ class Roadmap:
         allowed[allowed] = self.gate.allows_states(states[allowed])
         return allowed
 
-    def _worthwhile(self) -> tuple[FloatArray, FloatArray] | None:
-        """A box outside which no path is better than the best, for the sake of its length.
-
-        Positions from which both ends are not farther than L in all fill an ellipsoid with the ends
-        as foci (Gammell, Srinivasa & Barfoot, Informed RRT*, IROS 2014); this is its box.
-        """
-        best, ends = self.best, [*self.starts, *self.goals]
-        if best is None or len(ends) != 2 or self.maximum:
-            return None
-        a, b = self.states[ends, :3]
-        longest = self.risk.speed * (best.risk / self._time_weight + best.duration)
-        between = float(np.linalg.norm(b - a))
-        along = (b - a) / between if between > 0.0 else np.zeros(3)
-        wide = math.sqrt(max(longest * longest - between * between, 0.0))
-        half = 0.5 * np.sqrt((longest * along) ** 2 + wide * wide * (1.0 - along**2))
-        middle = 0.5 * (a + b)
-        low = np.maximum(self.region.low, middle - half)
-        high = np.minimum(self.region.high, middle + half)
-        return (low, high) if (low < high).all() else None
-
     def _useful(self, states: FloatArray) -> NDArray[np.bool_]:
         useful = self._allowed(states)
         d = self.motions.clearances(states[useful])
-        useful[useful] = self._promising(states[useful], d)
+        useful[useful] = self._prospects.promising(states[useful], d)
         return useful
-
-    def _promising(self, states: FloatArray, d: FloatArray) -> NDArray[np.bool_]:
-        """Whether a path through states with clearances d may be better than the best."""
-        best = self.best
-        if best is None:
-            return np.ones(len(states), np.bool_)
-        risk, duration = self._least(states, d)
-        if not self.maximum:
-            least = best.risk + self._time_weight * best.duration
-            return risk + self._time_weight * duration < least
-        return (risk < best.cost) | ((risk <= best.cost) & (duration < best.duration))
-
-    def _least(self, states: FloatArray, d: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Lower bounds for risk and duration of any path through states with clearances d."""
-        risks, durations = [], []
-        for ends in (self.starts, self.goals):
-            both = [self._bounds(states, d, end) for end in ends]
-            risks.append(np.min([risk for risk, _ in both], axis=0))
-            durations.append(np.min([duration for _, duration in both], axis=0))
-        risk = np.maximum(*risks) if self.maximum else risks[0] + risks[1]
-        return risk, durations[0] + durations[1]
-
-    def _bounds(
-        self, states: FloatArray, d: FloatArray, vertex: int
-    ) -> tuple[FloatArray, FloatArray]:
-        ends = np.ascontiguousarray(np.broadcast_to(self.states[vertex], states.shape))
-        d_end = np.full(len(d), self.clearance[vertex])
-        risk = self.motions.heuristics(states, ends, d, d_end)
-        return risk, self.motions.least_durations(states, ends)
 
     def nothing_to_gain(self) -> bool:
         """Whether no path can be better than the best, however much the roadmap grows."""
-        if self.best is None:
-            return False
-        starts = np.array(self.starts)
-        return not self._promising(self.states[starts], self.clearance[starts]).any()
+        return self._prospects.is_exhausted()
 
     def insert(self, states: FloatArray, stop: Stop = never) -> Integers:
         """Add states, which must be free, and connect them to their neighbours.
@@ -268,7 +218,7 @@ class Roadmap:
         work = Bounding(self.motions, self.states, self.clearance, near[new], far[new])
         work.finished(never)
         near, far, bound, least = work.result()
-        self.edges = Edges(time_weight=self._time_weight, undirected=old.undirected)
+        self.edges = Edges(time_weight=self.time_weight, undirected=old.undirected)
         self.edges.add(self.n, tail, head, risk=risk, duration=duration)
         self.edges.evaluated(np.arange(len(kept), dtype=np.int32), risk, duration)
         self.edges.add(self.n, near, far, risk=bound, duration=least)
@@ -371,7 +321,7 @@ class Roadmap:
         return [slice(0, n)] if self.compiled else self._portions.of(n, stop)
 
     @property
-    def _time_weight(self) -> float:
+    def time_weight(self) -> float:
         """The weight of time, or a tie-break among ways of equal risk that changes no digit."""
         if self.maximum:
             return 0.0

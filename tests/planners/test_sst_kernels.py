@@ -2,6 +2,7 @@
 
 import math
 
+import numba
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -12,7 +13,6 @@ from ompl_risk._kernels import branch, draws, inner_loop, sst_tree
 from ompl_risk._kernels.branch import least_cost
 from ompl_risk._kernels.buckets import MARK, NONE, Buckets, least_near, nearest_within, put, take
 from ompl_risk._kernels.inner_loop import ACT, HELD, PUSH, REACH
-from ompl_risk._kernels.jit import entry
 from ompl_risk._kernels.rigid_body import rollout
 from ompl_risk.avoidance import InverseDistance
 from ompl_risk.norms import Lp, Sobolev
@@ -20,6 +20,8 @@ from ompl_risk.planners.sst.habits import Habits
 from ompl_risk.terrains import Terrain
 
 WEIGHTS = np.array([1.0, 9.0, 1.0])
+
+entry = numba.njit(error_model="numpy")  # not cached: the library drops only its own stale kernels
 
 
 # random numbers

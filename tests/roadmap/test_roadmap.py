@@ -139,7 +139,7 @@ def test_pruning_loses_nothing():
     route = made.search()
     made.best = replace(route, cost=route.cost * (1 + 1e-9))
     d = made.clearance[route.vertices]
-    assert made._promising(made.states[route.vertices], d).all()
+    assert made._prospects.promising(made.states[route.vertices], d).all()
 
 
 def test_nothing_is_left_to_gain_where_the_straight_way_is_free_of_risk():

@@ -713,7 +713,7 @@ def test_samples_stay_where_paths_can_be_better():
     scene = Scene(duration_weight=1.0).usual()
     scene.solve(1.0)
     roadmap = scene.planner.roadmap
-    low, high = roadmap._worthwhile()
+    low, high = roadmap._prospects.box()
     region = roadmap.region
     assert np.prod(high - low) < 0.9 * np.prod(region.high - region.low)
     a, b = roadmap.states[roadmap.starts[0]], roadmap.states[roadmap.goals[0]]
