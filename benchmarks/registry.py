@@ -18,6 +18,7 @@ from benchmarks import (
     probability,
     ranking,
     roadmap,
+    sst,
 )
 from benchmarks.metric import Absent, Metric
 
@@ -58,6 +59,7 @@ BENCHMARKS = _registered(
     probability=probability,
     ranking=ranking,
     roadmap=roadmap,
+    sst=sst,
 )
 """What the library promises; kept by the gate."""
 

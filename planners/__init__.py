@@ -48,6 +48,7 @@ from ompl_risk.planners.selection import select as select
 from ompl_risk.planners.shortcut import shortcut as shortcut
 from ompl_risk.planners.sides import Sides as Sides
 from ompl_risk.planners.solving import solve_task as solve_task
+from ompl_risk.planners.sst.planner import SST as SST
 from ompl_risk.planners.task import Candidate as Candidate
 from ompl_risk.planners.task import Status as Status
 from ompl_risk.planners.task import Task as Task
