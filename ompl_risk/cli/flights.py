@@ -39,8 +39,7 @@ def write_flights(
     from ompl_risk.report import animate_flight, flight_views
 
     ranking = judgement.ranking
-    path = folder.path / "flights"
-    path.mkdir(exist_ok=True)
+    path = folder.made("flights")
     for assessment, k in zip(ranking.assessments, judgement.order, strict=True):
         write_flight(path / f"{assessment.name}.npz", found.flights[k])
     trajectories = [assessment.trajectory for assessment in ranking.assessments]

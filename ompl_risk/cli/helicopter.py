@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from ompl_risk import planners
@@ -13,6 +15,7 @@ from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.settings import PlanSettings
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.flight import Flight
+from ompl_risk.helicopter.library import SHIPPED
 from ompl_risk.helicopter.steering import HelicopterSteering
 from ompl_risk.planners.roadmap.equal_time_flights import equal_time_flights
 from ompl_risk.planners.roadmap.exploring import pareto_routes
@@ -94,6 +97,7 @@ class HelicopterFinder(Finder):
             flights=found.flights,
             facts={
                 "roadmap": counts_of(roadmap),
+                "primitives": {"file": SHIPPED.name, "sha256": _digest(SHIPPED)},
                 "flights": [
                     {"alternative": k + 1, **_in_numbers(flight)}
                     for k, flight in enumerate(found.flights)
@@ -109,6 +113,10 @@ class HelicopterFinder(Finder):
             return way.trajectory(name, step=PARETO_STEP)
 
         write_pareto(pareto_routes(roadmap), self._norm, planned, folder, console)
+
+
+def _digest(path: Path) -> str:
+    return hashlib.sha256(path.read_bytes()).hexdigest()
 
 
 def _in_numbers(flight: Flight) -> dict[str, Any]:

@@ -51,8 +51,7 @@ def write_pareto(
             [k + 1, repr(t), repr(value)]
             for k, (t, value) in enumerate(zip(durations, norms, strict=True))
         )
-    paths = folder.path / "pareto"
-    paths.mkdir(exist_ok=True)
+    paths = folder.made("pareto")
     for k, route in enumerate(front.routes):
         name = f"{k + 1:04d}"
         write_csv(paths / f"{name}.csv", trajectory(route, name))

@@ -50,6 +50,19 @@ class RunFolder:
                 "output", str(self.path), "a folder that is empty or does not exist"
             )
 
+    def made(self, name: str) -> Path:
+        """A folder in it, made if it is not there.
+
+        Raises:
+            FileError: it cannot be made.
+        """
+        path = self.path / name
+        try:
+            path.mkdir(exist_ok=True)
+        except OSError as error:
+            raise FileError(path, error.strerror or str(error)) from None
+        return path
+
     def write_config(self, command: str, values: Mapping[str, Any]) -> None:
         """Write the resolved configuration."""
         comment = f"Resolved configuration; repeat with: ompl-risk {command} --config config.toml"
@@ -59,8 +72,7 @@ class RunFolder:
         self, ranking: Ranking, profiles: Mapping[str, CollisionProfile]
     ) -> None:
         """Write each trajectory with d, f and the probability of collision at its samples."""
-        folder = self.path / "trajectories"
-        folder.mkdir(exist_ok=True)
+        folder = self.made("trajectories")
         for a in ranking.assessments:
             columns = {"d": a.d, "f": a.f, "pc": profiles[a.name].p}
             write_csv(folder / f"{_file_name(a.name)}.csv", a.trajectory, columns)

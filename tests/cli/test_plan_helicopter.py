@@ -74,6 +74,8 @@ def test_durations_are_equal_within_the_tolerance(flown):
     facts = json.loads((flown / "provenance.json").read_text(encoding="utf-8"))
     assert sorted(one["seconds"] for one in facts["flights"]) == pytest.approx(sorted(durations))
     assert facts["roadmap"]["vertices"] > 100
+    assert facts["primitives"]["file"] == "xcell60.npz"
+    assert len(facts["primitives"]["sha256"]) == 64
 
 
 def test_views_of_the_flights_are_drawn(flown):
