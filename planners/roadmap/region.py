@@ -7,7 +7,6 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 from scipy.spatial.transform import Rotation
-from scipy.stats import qmc
 
 from ompl_risk._arrays import FloatArray, readonly
 from ompl_risk.errors import ArgumentError
@@ -48,6 +47,8 @@ class Region:
         if not (self.low < self.high).all():
             raise ArgumentError("high", self.high.tolist(), f"above low = {self.low.tolist()}")
         self.posed, self.reach = posed, reach
+        from scipy.stats import qmc  # a third of a second, and not everybody plans
+
         self._sequence = qmc.Sobol(self.dimensions, rng=np.random.default_rng(seed))
         self._left = np.empty((0, self.dimensions))
 
