@@ -14,7 +14,7 @@ def casadi() -> Any:
         ExtraError: it is not installed.
     """
     try:
-        import casadi
+        import casadi  # pyright: ignore[reportMissingImports] - an extra
     except ImportError:
         raise ExtraError("casadi", "primitives") from None
     return casadi
