@@ -8,7 +8,10 @@ from pathlib import Path
 
 from benchmarks.baseline import FILE
 
-COMMANDS = "peers (beside other libraries and planners), objectives (what they choose)"
+COMMANDS = (
+    "peers (beside other libraries and planners), objectives (what they choose), "
+    "helicopter (the paper's scenario)"
+)
 
 
 def parsed(

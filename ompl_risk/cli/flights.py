@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from ompl_risk.cli.finding import Found
 from ompl_risk.cli.judging import Judgement
 from ompl_risk.cli.progress import progress_bar
@@ -11,6 +13,7 @@ from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.scene import Scene
 from ompl_risk.cli.settings import PlanSettings
 from ompl_risk.helicopter.flight_file import write_flight
+from ompl_risk.ranking.assessment import Assessment
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -34,7 +37,7 @@ def write_flights(
     """Write states and inputs at their full rate, views of all flights, and a film of one.
 
     The film shows the minute around the place where the safest flight by the last norm is nearest
-    to the ground.
+    to the ground on its way, but for its first and last tenth: it begins and ends low.
     """
     from ompl_risk.report import animate_flight, flight_views
 
@@ -50,7 +53,7 @@ def write_flights(
         index = [assessment.name for assessment in ranking.assessments].index(name)
         shown = ranking.assessments[index]
         first, last = float(shown.trajectory.t[0]), float(shown.trajectory.t[-1])
-        begin = max(min(shown.min_clearance_time - 0.5 * WIDE, last - WIDE), first)
+        begin = max(min(_nearest(shown) - 0.5 * WIDE, last - WIDE), first)
         film = folder.path / f"flight-{name}.{settings.animation}"
         with progress_bar(console) as progress:
             drawing = progress.add_task(f"filming flight {name}", total=None)
@@ -69,3 +72,11 @@ def write_flights(
             )
         written.append(film.name)
     console.print(f"and {', '.join(written)}", markup=False, soft_wrap=True)
+
+
+def _nearest(shown: Assessment) -> float:
+    """When a flight is nearest to the ground on its way [s]."""
+    t = shown.trajectory.t
+    ends = 0.1 * (t[-1] - t[0])
+    on_the_way = np.flatnonzero((t >= t[0] + ends) & (t <= t[-1] - ends))
+    return float(t[on_the_way[shown.d[on_the_way].argmin()]])

@@ -70,7 +70,7 @@ class PlanSettings(JudgeSettings):
         min_clearance: least clearance that a path may have [m].
         margin: how far paths may leave the rectangle of start and goal, in distances between them.
         vehicle: point, which flies straight legs at constant speed; or helicopter, which flies
-            trajectory primitives, at up to 30 m/s, from hover to hover.
+            trajectory primitives, at up to 30.6 m/s, from hover to hover.
         speed: constant speed of the point [m/s].
         planner: roadmap; portfolio, which runs the searches by the planners that they name; or a
             planner of OMPL that runs them all, such as rrtstar or bitstar.
@@ -81,7 +81,8 @@ class PlanSettings(JudgeSettings):
             helicopter, whose roadmap has a vertex for every cruise speed at each, if left out.
         roadmap_norm: norm that the roadmap counts risk by: L1, L2, any Lp, Linf, H1.
         pareto: also find all paths of the roadmap that no other undercuts in duration and risk.
-        animation: also write an animation of the safest flight of the helicopter by the last norm.
+        animation: also write a film of the helicopter's safest flight by the last norm: the minute
+            around the place where it is nearest to the ground on its way. mp4 needs ffmpeg.
         searches: criteria that planners of OMPL plan by, each "length" or norm@clearance such as
             H1@20, where a second of flight costs as much as a second at that clearance [m];
             "planner:criterion" for another planner than BITstar.

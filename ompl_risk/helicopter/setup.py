@@ -59,9 +59,10 @@ def simple_setup(
     look at it and say so in a warning; for the least duration set
     ``ob.PathLengthOptimizationObjective``: that length of a control path is its duration.
 
-    ``authority`` and ``holds`` are for planners that draw inputs at random. Their defaults solve
-    short problems (100 m) in seconds, the more reliably the narrower box and limits are; what
-    the helicopter really can do is ``authority=1.0``.
+    ``authority`` and ``holds`` are for planners that draw inputs at random. With their defaults
+    OMPL's own solve short problems (60 to 100 m) some of the time, the more often the narrower
+    box and limits are; what the helicopter really can do is ``authority=1.0``, which
+    ``planners.SST`` makes use of. ``RiskRoadmap`` with a ``HelicopterSteering`` heeds neither.
 
     Args:
         terrain: a terrain, the name or file of one as ``terrains.load`` takes it, or a clearance.

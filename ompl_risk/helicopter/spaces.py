@@ -59,6 +59,7 @@ def state_space(
     space.lock()
     # a compound space has no projection of its own, so setup() does not replace this one
     space.registerDefaultProjection(ob.SubspaceProjectionEvaluator(space, 0))
+    space.setup()  # printing a projection that is not set up crashes OMPL 2.0.1
     return space
 
 

@@ -15,11 +15,14 @@ from ompl_risk._kernels.pieces import COLUMNS, MOST_PIECES
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.batch import PrimitiveBatch, fastest
 from ompl_risk.helicopter.flight import Flight
+from ompl_risk.helicopter.flight_limits import broken_in_controls, broken_in_states
 from ompl_risk.helicopter.flying import fly
 from ompl_risk.helicopter.hold_states import held_vertex
 from ompl_risk.helicopter.library import PrimitiveLibrary, default_library
+from ompl_risk.helicopter.parameters import Limits
 from ompl_risk.helicopter.planned_route import PlannedRoute, planned_route
 from ompl_risk.helicopter.primitive_path import PrimitivePath
+from ompl_risk.helicopter.primitives import Manoeuvre
 from ompl_risk.helicopter.tables import connect_tables, tracks, used
 from ompl_risk.motion.base import Risk
 from ompl_risk.motion.batch import MotionBatch
@@ -208,6 +211,24 @@ class HelicopterSteering(KinodynamicSteering):
         out = np.empty(len(first))
         connection_durations(self.tables, first, last, out)
         return out
+
+    @property
+    def specimen(self) -> Manoeuvre:
+        """The longest manoeuvre of the library that turns."""
+        turning = [m for m in self.library.manoeuvres if m.first.key.turn or m.last.key.turn]
+        return max(turning or self.library.manoeuvres, key=lambda m: m.duration)
+
+    def broken_limit(self, limits: Limits) -> str | None:
+        """Which limit a trim or manoeuvre breaks, and how, in words; None if none does."""
+        library = self.library
+        states = [trim.state((0.0, 0.0, 0.0), 0.0)[None] for trim in library.trims]
+        states += [manoeuvre.states for manoeuvre in library.manoeuvres]
+        controls = [trim.control[None] for trim in library.trims]
+        controls += [manoeuvre.controls for manoeuvre in library.manoeuvres]
+        broken = broken_in_states(limits, np.concatenate(states)) or broken_in_controls(
+            limits, library.helicopter, np.concatenate(controls)
+        )
+        return None if broken is None else str(broken)
 
     def flight(self, vertices: FloatArray) -> Flight:
         """The flight along a chain of vertices, with its inputs: see ``Flight``.

@@ -77,6 +77,18 @@ class KinodynamicSteering(ABC):
     def state(self, vertex: FloatArray) -> FloatArray:
         """The state that a vertex stands for, shape (state_width,)."""
 
+    @property
+    def specimen(self) -> Any:
+        """A short flight, with ``dt``, ``states`` and ``controls``; None for no comparison.
+
+        What is to fly the others is asked to fly it first: it may be another vehicle.
+        """
+        return None
+
+    def broken_limit(self, limits: Any) -> str | None:  # noqa: ARG002
+        """What in its motions breaks the limits of a vehicle, in words; None if nothing does."""
+        return None
+
     @abstractmethod
     def flight(self, vertices: FloatArray) -> Any:
         """The flight along a chain of vertices, with its inputs: see ``Flight``.

@@ -245,6 +245,19 @@ class RiskRoadmap(ob.Planner):
         terrain, region = setting.obstacles.terrain, setting.region
         return Sides.of_terrain(terrain, region.low, region.high, radius=setting.obstacles.radius)
 
+    def path(self, route: Route) -> Any:
+        """A route, as of ``alternatives`` or ``pareto``, as a path of OMPL.
+
+        ``Trajectory.from_path`` makes it something to rank.
+
+        Returns:
+            An ``og.PathGeometric``, or for a vehicle with dynamics an ``oc.PathControl``.
+
+        Raises:
+            ArgumentError: before ``solve``.
+        """
+        return self._translation.path(route, self._planned())
+
     def publish(self, routes: Sequence[Route]) -> None:
         """Make routes OMPL's solutions: the first exact, the others approximate, in their order.
 

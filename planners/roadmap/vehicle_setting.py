@@ -5,12 +5,15 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
+import numpy as np
 from ompl import base as ob
 from ompl import control as oc
 
 from ompl_risk.avoidance import InverseDistance
+from ompl_risk.bridge.controls import ControlBuffers
 from ompl_risk.bridge.states import StateReader
 from ompl_risk.errors import ArgumentError
+from ompl_risk.helicopter.validity import HelicopterValidityChecker
 from ompl_risk.motion import Risk
 from ompl_risk.motion.kinodynamic import KinodynamicSteering
 from ompl_risk.norms import Lp
@@ -19,6 +22,9 @@ from ompl_risk.planners.roadmap.gate import BoxGate, ClearanceGate, Gate, all_of
 from ompl_risk.planners.roadmap.region import VertexRegion
 from ompl_risk.planners.roadmap.setting import Setting, bounds_of, counted, distinct, obstacles_of
 from ompl_risk.planners.roadmap.translation import VertexTranslation
+
+SAME = 1e-7
+"""How far, in any number of a state, a manoeuvre may end from where the library says."""
 
 FREE = InverseDistance(2e-3)
 """Finds hardly anything risky but collisions: for plans that heed time alone."""
@@ -43,7 +49,8 @@ def read_vehicle_setting(
 
     Raises:
         ArgumentError: another space or objective, one without bounds, or checkers that are not
-            this library's: they cannot be asked about a flight as a whole.
+            this library's: they cannot be asked about a flight as a whole; a vehicle, a propagation
+            step or limits that the steering was not made for.
     """
     if not isinstance(si, oc.SpaceInformation):
         allowed = "an oc.SpaceInformation, as of helicopter.simple_setup(...)"
@@ -58,6 +65,7 @@ def read_vehicle_setting(
         checker = type(si.getStateValidityChecker()).__name__
         allowed = "a ClearanceValidityChecker, or the helicopter's own"
         raise ArgumentError("si.getStateValidityChecker()", checker, allowed)
+    _check_vehicle(si, steering)
     space: Any = si.getStateSpace()
     low, high = bounds_of(space.getSubspace(0))
     region = VertexRegion(low, high, steering, seed=seed)
@@ -80,6 +88,31 @@ def read_vehicle_setting(
         undirected=False,
         translation=VertexTranslation(si, steering),
     )
+
+
+def _check_vehicle(si: Any, steering: KinodynamicSteering) -> None:
+    """Whether what ``si`` propagates flies as the steering says, within the checker's limits."""
+    remedy = "make a library for this vehicle: python -m ompl_risk.helicopter.optimal_control"
+    checker = si.getStateValidityChecker()
+    if isinstance(checker, HelicopterValidityChecker):
+        broken = steering.broken_limit(checker.envelope.limits)
+        if broken is not None:
+            raise ArgumentError("steering", broken, f"within the limits of the problem; {remedy}")
+    specimen = steering.specimen
+    if specimen is None:
+        return
+    step = si.getPropagationStepSize()
+    if abs(step - specimen.dt) > 1e-12:
+        allowed = f"{specimen.dt:g} s, for which the steering's inputs are held"
+        raise ArgumentError("si.getPropagationStepSize()", step, allowed)
+    buffers = ControlBuffers(si)
+    state = buffers.write_state(specimen.states[0])
+    for control in specimen.controls:
+        si.propagate(state, buffers.write_control(control), 1, state)
+    miss = float(np.abs(buffers.read_state(state) - specimen.states[-1]).max())
+    if not miss <= SAME:
+        allowed = f"the steering of the vehicle that si propagates: a manoeuvre misses; {remedy}"
+        raise ArgumentError("steering", f"ends {miss:.3g} beside", allowed)
 
 
 def _counted(objective: Any, speed: float) -> tuple[Any, Risk]:

@@ -2,6 +2,8 @@
 
 import gc
 import math
+import subprocess
+import sys
 import weakref
 
 import numpy as np
@@ -227,3 +229,16 @@ def test_spaces_of_other_sizes_are_refused(si):
         propagator(ob.SE3StateSpace(), si.getControlSpace())
     with pytest.raises(ArgumentError, match="controls = 'of 2 numbers'"):
         propagator(si.getStateSpace(), oc.RealVectorControlSpace(si.getStateSpace(), 2))
+
+
+def test_spaces_can_be_printed_before_setup():
+    """OMPL 2.0.1 crashes on a projection that is not set up; a crash would end the tests."""
+    code = (
+        "from ompl_risk import helicopter\n"
+        "print(helicopter.state_space((0, 0, 0), (100, 100, 50)))\n"
+    )
+    run = subprocess.run(
+        [sys.executable, "-c", code], capture_output=True, text=True, timeout=120, check=False
+    )
+    assert run.returncode == 0
+    assert "Helicopter" in run.stdout

@@ -365,7 +365,8 @@ def test_nan_from_a_clearance_surfaces_and_what_was_found_is_kept():
         scene.solve(5.0)
     broken.clear()
     assert scene.setup.haveExactSolutionPath()
-    assert scene.cost == before
+    # states that were answered before the clearance broke may still be connected, for the better
+    assert scene.cost <= before * (1.0 + 1e-9)
 
 
 def test_an_exception_of_a_clearance_surfaces():

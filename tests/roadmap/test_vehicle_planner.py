@@ -213,3 +213,30 @@ def test_connections_keep_the_slack_of_a_flight(slack, clearance):
     assert nearest >= slack - 2e-3
     assert room >= slack - 1e-9
     assert (nearest < 20.0 and room < 20.0) == (slack == 0.0)
+
+
+@pytest.mark.parametrize(
+    ("options", "says"),
+    [
+        ({"helicopter": helicopter.Helicopter(9.0)}, "steering.*beside.*optimal_control"),
+        ({"limits": helicopter.Limits(speed=15.0)}, r"speed 30\.\d+, not 0 to 15 m/s"),
+        ({"limits": helicopter.Limits(tilt=0.05)}, "rotor pitch 0.18, not -0.05 to 0.05"),
+        ({"step": 0.01}, r"getPropagationStepSize\(\) = 0.01.*0.02 s"),
+    ],
+)
+def test_a_vehicle_that_the_steering_was_not_made_for_is_refused(options, says, clearance):
+    setup = helicopter.simple_setup(
+        clearance, start=START, goal=GOAL, low=LOW, high=HIGH, **options
+    )
+    planner = RiskRoadmap(setup.getSpaceInformation(), steering=HelicopterSteering())
+    setup.setPlanner(planner)
+    with pytest.raises(ArgumentError, match=says):
+        setup.solve(1.0)
+
+
+def test_routes_become_trajectories_that_can_be_ranked(solved):
+    _, planner = solved
+    for route in planner.alternatives(2, excess=0.5, min_distance=50.0):
+        trajectory = Trajectory.from_path(planner.path(route))
+        assert trajectory.duration == pytest.approx(route.duration, abs=0.1)
+        np.testing.assert_allclose(trajectory.positions[-1], GOAL, atol=0.3)
