@@ -21,7 +21,7 @@ from benchmarks.helicopter_problems import PROBLEMS, STEP, hover_over_ridge
 from benchmarks.metric import LIMIT_ONLY, Metric, Target, error, figure
 from benchmarks.timing import interleaved
 from ompl_risk._kernels import rigid_body
-from ompl_risk.helicopter.buffers import Buffer
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.helicopter.goals import HelicopterGoal
 from ompl_risk.helicopter.model import make_state, simulate
 from ompl_risk.helicopter.parameters import Helicopter

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from ompl import base as ob
 from ompl import control as oc
 
-from ompl_risk.bridge.states import _capsule
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.errors import ArgumentError
 
 WHOLE = 1e-9
@@ -60,32 +60,29 @@ class ControlBuffers:
         self.control_width = self._controls.getSerializationLength() // 8
         self.state: Any = si.allocState()
         self.control: Any = si.allocControl()
-        self._numbers = np.zeros(self.width)
-        self._inputs = np.zeros(self.control_width)
-        self._at = _capsule(self._numbers.ctypes.data, b"nb_handle", None)
-        self._inputs_at = _capsule(self._inputs.ctypes.data, b"nb_handle", None)
+        self._numbers, self._inputs = Buffer(self.width), Buffer(self.control_width)
 
     def write_state(self, numbers: NDArray[np.float64]) -> Any:
         """``state``, with these numbers, shape (width,)."""
-        self._numbers[:] = numbers
-        self._space.deserialize(self.state, self._at)
+        self._numbers.numbers[:] = numbers
+        self._space.deserialize(self.state, self._numbers.capsule)
         return self.state
 
     def write_control(self, numbers: NDArray[np.float64]) -> Any:
         """``control``, with these numbers, shape (control_width,)."""
-        self._inputs[:] = numbers
-        self._controls.deserialize(self.control, self._inputs_at)
+        self._inputs.numbers[:] = numbers
+        self._controls.deserialize(self.control, self._inputs.capsule)
         return self.control
 
     def read_state(self, state: ob.State) -> NDArray[np.float64]:
         """The numbers of any state of the space, shape (width,)."""
-        self._space.serialize(self._at, state)
-        return self._numbers.copy()
+        self._space.serialize(self._numbers.capsule, state)
+        return self._numbers.numbers.copy()
 
     def read_control(self, control: oc.Control) -> NDArray[np.float64]:
         """The numbers of any control of the space, shape (control_width,)."""
-        self._controls.serialize(self._inputs_at, control)
-        return self._inputs.copy()
+        self._controls.serialize(self._inputs.capsule, control)
+        return self._inputs.numbers.copy()
 
 
 def to_path_control(si: oc.SpaceInformation, flight: HeldFlight) -> oc.PathControl:

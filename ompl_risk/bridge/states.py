@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ctypes
 from collections.abc import Callable
 from typing import Any
 
@@ -10,11 +9,8 @@ import numpy as np
 from numpy.typing import NDArray
 from ompl import base as ob
 
+from ompl_risk.bridge.buffers import Buffer, capsule_of
 from ompl_risk.errors import ArgumentError
-
-_capsule = ctypes.pythonapi.PyCapsule_New
-_capsule.restype = ctypes.py_object
-_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
 
 ALLOWED = "R^3, SE(3), or a compound space whose first subspace is one of these"
 
@@ -48,8 +44,7 @@ class StateReader:
         Args:
             buffer: contiguous, shape (width,).
         """
-        # OMPL's binding takes a destination as a capsule with this name.
-        capsule = _capsule(buffer.ctypes.data, b"nb_handle", None)
+        capsule = capsule_of(buffer.ctypes.data)
         serialize = self._space.serialize
 
         def read(state: ob.State) -> None:
@@ -85,12 +80,11 @@ class StateWriter:
         self._space: Any = si.getStateSpace()
         self._allocate = si.allocState  # the only allocation in OMPL 2.0.1 that does not leak
         self.width = StateReader(self._space).width
-        self._buffer = np.zeros(self.width)
-        self._capsule = _capsule(self._buffer.ctypes.data, b"nb_handle", None)
+        self._buffer = Buffer(self.width)
 
     def state(self, numbers: NDArray[np.float64]) -> Any:
         """A new state with these numbers, shape (width,)."""
         state = self._allocate()
-        self._buffer[:] = numbers
-        self._space.deserialize(state, self._capsule)
+        self._buffer.numbers[:] = numbers
+        self._space.deserialize(state, self._buffer.capsule)
         return state

@@ -14,8 +14,8 @@ from scipy.spatial.transform import Rotation
 from ompl_risk._arrays import FloatArray, positive, real_number
 from ompl_risk._kernels import flight_checks
 from ompl_risk.bridge import faults
+from ompl_risk.bridge.buffers import Buffer, table
 from ompl_risk.errors import ArgumentError
-from ompl_risk.helicopter.buffers import Buffer, table
 from ompl_risk.helicopter.model import STATE, as_state, world_velocity
 from ompl_risk.helicopter.validity import HelicopterValidityChecker
 

@@ -12,9 +12,9 @@ from ompl import control as oc
 from ompl_risk._arrays import FloatArray, positive
 from ompl_risk.avoidance import Avoidance
 from ompl_risk.bridge import RiskObjective
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.clearance import Clearance, TerrainClearance
 from ompl_risk.errors import ArgumentError
-from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.envelope import Envelope
 from ompl_risk.helicopter.goals import HelicopterGoal
 from ompl_risk.helicopter.model import STATE, as_state

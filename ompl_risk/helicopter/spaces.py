@@ -13,8 +13,8 @@ from ompl import control as oc
 from ompl_risk._arrays import FloatArray, as_floats
 from ompl_risk._kernels import propagation
 from ompl_risk.bridge import faults
+from ompl_risk.bridge.buffers import Buffer, table
 from ompl_risk.errors import ArgumentError
-from ompl_risk.helicopter.buffers import Buffer, table
 from ompl_risk.helicopter.envelope import Envelope
 from ompl_risk.helicopter.model import CONTROL, STATE
 from ompl_risk.helicopter.parameters import Helicopter, Limits

@@ -10,9 +10,9 @@ from ompl import base as ob
 from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import flight_checks, nearest
 from ompl_risk.bridge import faults
+from ompl_risk.bridge.buffers import Buffer, table
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
-from ompl_risk.helicopter.buffers import Buffer, table
 from ompl_risk.helicopter.envelope import Envelope
 from ompl_risk.helicopter.model import STATE
 from ompl_risk.motion import Risk, motion_model

@@ -10,8 +10,8 @@ from ompl import control as oc
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import sst_tree
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.bridge.conditions import after
-from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.goals import HelicopterGoal
 from ompl_risk.helicopter.model import STATE
 from ompl_risk.helicopter.parameters import Helicopter

@@ -17,9 +17,9 @@ from ompl_risk._kernels.branch import Vehicle
 from ompl_risk._kernels.flight_checks import HIGH, LOW
 from ompl_risk.avoidance import InverseDistance
 from ompl_risk.bridge import RiskObjective
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
-from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.goals import HelicopterGoal
 from ompl_risk.helicopter.model import CONTROL, STATE, world_velocity
 from ompl_risk.helicopter.parameters import Helicopter

@@ -9,7 +9,7 @@ import numpy as np
 from ompl import control as oc
 
 from ompl_risk._arrays import FloatArray
-from ompl_risk.helicopter.buffers import Buffer
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.helicopter.model import CONTROL, STATE
 from ompl_risk.planners.sst.tree import Flight
 

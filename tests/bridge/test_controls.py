@@ -11,9 +11,9 @@ from scipy.spatial.transform import Rotation
 
 from ompl_risk import Trajectory
 from ompl_risk._kernels import rigid_body
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.bridge.controls import ControlBuffers, to_path_control
 from ompl_risk.errors import ArgumentError
-from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.flying import fly
 from ompl_risk.helicopter.library import default_library
 from ompl_risk.helicopter.parameters import Helicopter

@@ -6,8 +6,8 @@ from ompl import control as oc
 from ompl import util as ou
 from scipy.spatial.transform import Rotation
 
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.helicopter import model
-from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.parameters import Helicopter, Limits
 from ompl_risk.helicopter.setup import simple_setup
 from ompl_risk.terrains import Terrain

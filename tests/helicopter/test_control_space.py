@@ -8,8 +8,8 @@ from control_scene import HIGH, LOW, XCELL, control, hill, hop, numbers, some_st
 from scipy.spatial.transform import Rotation
 
 from ompl_risk import TerrainClearance
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.helicopter import model
-from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.envelope import Envelope
 from ompl_risk.helicopter.goals import HelicopterGoal
 from ompl_risk.helicopter.parameters import Helicopter, Limits

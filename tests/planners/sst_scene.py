@@ -3,8 +3,8 @@
 import numpy as np
 from ompl import base as ob
 
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.clearance import TerrainClearance
-from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.parameters import Helicopter, Limits
 from ompl_risk.helicopter.setup import simple_setup
 from ompl_risk.planners.sst.habits import Habits

@@ -12,9 +12,9 @@ from sst_scene import GOAL, START, TOP, allowed, numbers, planned, ridge, rotati
 
 from ompl_risk.avoidance import InverseDistance
 from ompl_risk.bridge import ClearanceValidityChecker, RiskObjective
+from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
-from ompl_risk.helicopter.buffers import Buffer
 from ompl_risk.helicopter.model import simulate
 from ompl_risk.helicopter.parameters import Helicopter, Limits
 from ompl_risk.norms import Lp, Sobolev

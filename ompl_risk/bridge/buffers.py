@@ -7,9 +7,14 @@ import ctypes
 import numpy as np
 from numpy.typing import NDArray
 
-_capsule = ctypes.pythonapi.PyCapsule_New
-_capsule.restype = ctypes.py_object
-_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+_new_capsule = ctypes.pythonapi.PyCapsule_New
+_new_capsule.restype = ctypes.py_object
+_new_capsule.argtypes = [ctypes.c_void_p, ctypes.c_char_p, ctypes.c_void_p]
+
+
+def capsule_of(address: int) -> object:
+    """What ``serialize`` and ``deserialize`` of OMPL's spaces take for memory at an address."""
+    return _new_capsule(address, b"nb_handle", None)
 
 
 class Buffer:
@@ -21,13 +26,13 @@ class Buffer:
     Attributes:
         numbers: shape (size,).
         address: where they are.
-        capsule: what ``serialize`` and ``deserialize`` of OMPL's spaces take for it.
+        capsule: the same for OMPL's spaces, see ``capsule_of``.
     """
 
     def __init__(self, size: int) -> None:
         self.numbers = np.zeros(size)
         self.address = self.numbers.ctypes.data
-        self.capsule = _capsule(self.address, b"nb_handle", None)
+        self.capsule = capsule_of(self.address)
 
 
 def table(*addresses: int) -> NDArray[np.int64]:
