@@ -9,7 +9,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ompl_risk._kernels.jit import kernel
-from ompl_risk._kernels.pieces import MOST_PIECES
 
 # columns of a vertex
 EAST, NORTH, UP, HEADING, SPEED_INDEX = range(5)
@@ -33,9 +32,6 @@ LEAST, MOST, FIXED, SLOWNESS, CRUISE, ASCENT, ASCENT_TIME, DESCENT, DESCENT_TIME
 
 MOST_OPTIONS = 16
 """Options for the straight flight that the workspace has room for."""
-MOST_BLOCKS = MOST_PIECES - MOST_OPTIONS
-"""Turn blocks at a speed that the workspace has room for."""
-
 STILL = 1e-10
 """Lengths [m] and heights that count as none."""
 NONE = -1
