@@ -7,6 +7,7 @@
     python -m benchmarks peers [--quick] [...]
     python -m benchmarks objectives ...
     python -m benchmarks helicopter ...
+    python -m benchmarks evidence ...
 
 Exit code 0 unless a figure of correctness is wrong: speed depends on the machine and on what else
 runs on it, so targets of speed that are missed are shown and do not fail the run. With ``--gate``
@@ -41,6 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         from benchmarks.scenario.cli import main as helicopter
 
         return helicopter(given[1:])
+    if given[:1] == ["evidence"]:
+        from benchmarks.evidence.cli import main as evidence
+
+        return evidence(given[1:])
     if given[:1] == ["peers"]:
         return _measure(PEERS, parsed(given[1:], "python -m benchmarks peers", PEERS))
     options = parsed(given, "python -m benchmarks", BENCHMARKS, gated=True)

@@ -10,6 +10,7 @@ from typing import Any
 from benchmarks import (
     anytime,
     clearance,
+    closed_loop,
     distances,
     helicopter_planners,
     large_terrain,
@@ -52,6 +53,7 @@ def _registered(**modules: Any) -> Mapping[str, Benchmark]:
 
 BENCHMARKS = _registered(
     clearance=clearance,
+    closed_loop=closed_loop,
     helicopter_planners=helicopter_planners,
     large_terrain=large_terrain,
     objective=objective,

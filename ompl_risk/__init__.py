@@ -1,7 +1,8 @@
 """Rank motion plans by their risk of collision: Sobolev avoidance norms as an OMPL plug-in.
 
 ``import ompl_risk as risk`` gives the names below; scenes are in ``ompl_risk.terrains``, planners
-in ``ompl_risk.planners``, a vehicle with dynamics in ``ompl_risk.helicopter``.
+in ``ompl_risk.planners``, a vehicle with dynamics in ``ompl_risk.helicopter``, how often it collides
+in wind and error in ``ompl_risk.simulation``.
 """
 
 from importlib import metadata as _metadata
@@ -9,8 +10,11 @@ from importlib import metadata as _metadata
 from ompl_risk import errors as errors
 from ompl_risk import helicopter as helicopter
 from ompl_risk import planners as planners
+from ompl_risk import simulation as simulation
 from ompl_risk import terrains as terrains
 from ompl_risk.avoidance import Avoidance as Avoidance
+from ompl_risk.avoidance import FlatCap as FlatCap
+from ompl_risk.avoidance import GaussianTail as GaussianTail
 from ompl_risk.avoidance import InverseDistance as InverseDistance
 from ompl_risk.bridge import ClearanceMotionValidator as ClearanceMotionValidator
 from ompl_risk.bridge import ClearanceValidityChecker as ClearanceValidityChecker
@@ -27,6 +31,7 @@ from ompl_risk.norms import Sobolev as Sobolev
 from ompl_risk.probability import BallSampling as BallSampling
 from ompl_risk.probability import CollisionProfile as CollisionProfile
 from ompl_risk.probability import ColumnQuadrature as ColumnQuadrature
+from ompl_risk.probability import CrossingRate as CrossingRate
 from ompl_risk.probability import collision_probabilities as collision_probabilities
 from ompl_risk.probability import collision_probability as collision_probability
 from ompl_risk.ranking import Ranking as Ranking

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ompl_risk._arrays import FloatArray, positive, readonly
-from ompl_risk.avoidance import InverseDistance
+from ompl_risk.avoidance import Avoidance
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.base import as_length
 from ompl_risk.errors import ArgumentError
@@ -30,7 +30,7 @@ def low_level_flight(
     margin: float = 0.15,
     min_clearance: float = 20.0,
     speed: float = 30.0,
-    avoidance: InverseDistance | None = None,
+    avoidance: Avoidance | None = None,
 ) -> Problem:
     """A flight between two places that has to stay below a ceiling.
 
@@ -47,7 +47,7 @@ def low_level_flight(
         margin: how far paths may leave the rectangle of start and goal, in distances between them.
         min_clearance: least distance to the ground, from the sphere [m].
         speed: constant speed [m/s].
-        avoidance: the avoidance function.
+        avoidance: the avoidance function; ``InverseDistance()`` if left out.
 
     Raises:
         ArgumentError: start or goal outside the terrain, below or too near to the ground, or above

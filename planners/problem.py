@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ompl_risk._arrays import FloatArray, positive, readonly
-from ompl_risk.avoidance import InverseDistance
+from ompl_risk.avoidance import Avoidance, InverseDistance
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.base import as_length
 from ompl_risk.errors import ArgumentError
@@ -26,12 +26,12 @@ class Problem:
         low: least coordinates that paths may have [m], shape (3,).
         high: greatest coordinates that paths may have [m], shape (3,).
         speed: constant speed [m/s].
-        avoidance: the avoidance function f(d).
+        avoidance: the avoidance function f(d); ``InverseDistance()`` if left out.
         min_clearance: least d that a path may have [m]; 0 asks for freedom of collision alone.
 
     Raises:
         ArgumentError: a number out of range, start or goal outside the box or nearer to an
-            obstacle than `min_clearance`, or start and goal at one place.
+            obstacle than `min_clearance`, start and goal at one place, or no avoidance function.
     """
 
     clearance: Any
@@ -41,7 +41,7 @@ class Problem:
     high: FloatArray
     _: KW_ONLY
     speed: float
-    avoidance: InverseDistance
+    avoidance: Avoidance
     min_clearance: float = 0.0
 
     def __init__(
@@ -53,7 +53,7 @@ class Problem:
         high: ArrayLike,
         *,
         speed: float,
-        avoidance: InverseDistance | None = None,
+        avoidance: Avoidance | None = None,
         min_clearance: float = 0.0,
     ) -> None:
         points = {"start": start, "goal": goal, "low": low, "high": high}
@@ -61,6 +61,8 @@ class Problem:
         fields["clearance"] = clearance
         fields["speed"] = positive("speed", speed)
         fields["avoidance"] = InverseDistance() if avoidance is None else avoidance
+        if not isinstance(fields["avoidance"], Avoidance):
+            raise ArgumentError("avoidance", avoidance, "an Avoidance, as InverseDistance()")
         fields["min_clearance"] = as_length(min_clearance, "min_clearance")
         for name, value in fields.items():
             object.__setattr__(self, name, value)

@@ -3,23 +3,18 @@
 from __future__ import annotations
 
 import argparse
-import json
-import sys
-import time
 from collections.abc import Callable, Sequence
-from datetime import datetime, timezone
 from pathlib import Path
 
 import joblib
 from rich.console import Console
 
-from benchmarks import environment
-from benchmarks.campaign.progress import clock
 from benchmarks.scenario import procedure
 from benchmarks.scenario.example import draw_example
 from benchmarks.scenario.records import Record, kept
 from benchmarks.scenario.report import draw_hits, markdown, notes, terminal_tables
 from benchmarks.scenario.working import WorkersDiedError, finished
+from benchmarks.sessions import Progress, complain, consoles, count, log, teller
 from ompl_risk.errors import OmplRiskError
 
 PAIRS, QUICK = 200, 8
@@ -34,25 +29,24 @@ def main(argv: Sequence[str]) -> int:
         when everything finished is kept.
     """
     options = _options(argv)
-    out = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
-    err = Console(stderr=True, highlight=False)
+    out, err = consoles()
     try:
         return _session(options, out, err)
     except KeyboardInterrupt:
         err.print(f"\nstopped; {GOES_ON}")
         return 130
     except WorkersDiedError as error:
-        _complain(err, f"{error}; {GOES_ON}")
+        complain(err, f"{error}; {GOES_ON}")
         return 1
     except (OmplRiskError, OSError) as error:
-        _complain(err, str(error))
+        complain(err, str(error))
         return 2
 
 
 def _session(options: argparse.Namespace, out: Console, err: Console) -> int:
-    done = _kept(options, lambda message: err.print(message, markup=False, soft_wrap=True))
+    done = _kept(options, teller(err))
     options.output.mkdir(parents=True, exist_ok=True)
-    _log(options)
+    log(options.output, options)
     _carry_out(options, done, err)
     records = list(_kept(options).values())
     _report(records, options.output, out)
@@ -75,25 +69,14 @@ def _carry_out(options: argparse.Namespace, done: dict[int, Record], err: Consol
     left = [number for number in range(options.pairs) if number not in done]
     if done:
         err.print(f"{len(done)} of {options.pairs} pairs were done before")
-
-    def tell(line: str) -> None:
-        err.print(line, markup=False, soft_wrap=True)
-
-    begin = time.monotonic()
+    say = teller(err)
+    progress = Progress(say, options.pairs, len(done))
     records = finished(
-        options.output, options.seed, left, options.places, workers=options.workers, say=tell
+        options.output, options.seed, left, options.places, workers=options.workers, say=say
     )
-    for count, record in enumerate(records, start=1):
-        time_left = clock((time.monotonic() - begin) / count * (len(left) - count))
+    for record in records:
         said = f": {record['reason']}" if record["status"] == "failed" else ""
-        tell(
-            f"{len(done) + count}/{options.pairs}  {time_left} left  "
-            f"pair {record['pair']} {record['status']}{said}"
-        )
-
-
-def _complain(err: Console, message: str) -> None:
-    err.print(f"error: {message}", style="red", markup=False, soft_wrap=True)
+        progress.tell(f"pair {record['pair']} {record['status']}{said}")
 
 
 def _report(records: list[Record], folder: Path, out: Console) -> None:
@@ -106,17 +89,6 @@ def _report(records: list[Record], folder: Path, out: Console) -> None:
     out.print(f"in {folder}: report.md, hits.png, pairs/", markup=False, soft_wrap=True)
 
 
-def _log(options: argparse.Namespace) -> None:
-    facts = {
-        "started": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-        "options": {name: str(value) for name, value in vars(options).items()},
-        "machine": environment.machine(),
-        "versions": environment.versions(),
-    }
-    with (options.output / "sessions.jsonl").open("a", encoding="utf-8") as file:
-        file.write(json.dumps(facts) + "\n")
-
-
 def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser = argparse.ArgumentParser(
         "python -m benchmarks helicopter",
@@ -124,12 +96,12 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         "and goal: how often what the paper found holds. Start it again with the same command and "
         "it goes on where it was stopped.",
     )
-    parser.add_argument("--pairs", type=_count, help=f"({PAIRS}; quick {QUICK})")
+    parser.add_argument("--pairs", type=count, help=f"({PAIRS}; quick {QUICK})")
     parser.add_argument("--quick", action="store_true", help="few pairs, in a minute or two")
     parser.add_argument("--seed", type=int, default=0, help="of the pairs (%(default)s)")
-    parser.add_argument("--workers", type=_count, default=joblib.cpu_count(), help="(%(default)s)")
+    parser.add_argument("--workers", type=count, default=joblib.cpu_count(), help="(%(default)s)")
     parser.add_argument(
-        "--places", type=_count, default=procedure.PLACES, metavar="N",
+        "--places", type=count, default=procedure.PLACES, metavar="N",
         help="of a roadmap (%(default)s); with any other number it is another procedure, which "
         "needs another folder",
     )  # fmt: skip
@@ -144,9 +116,3 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
     if options.seed < 0:
         parser.error(f"argument --seed: {options.seed}: must be 0 or more")
     return options
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number of at least 1")
-    return int(text)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Iterator, Mapping
 from typing import Any
 
+from benchmarks import procedures
 from benchmarks.scenario import procedure
 
 CONSTANTS = (
@@ -20,9 +20,8 @@ def fingerprint(places: int) -> dict[str, Any]:
     Args:
         places: of the roadmaps.
     """
-    words = " ".join((procedure.__doc__ or "").split())
     return {
-        "words": hashlib.sha256(words.encode()).hexdigest()[:12],
+        "words": procedures.words(procedure.__doc__),
         "places": places,
         "norms": [norm.label for norm in procedure.NORMS],
         "blind": procedure.BLIND.d0,
@@ -37,6 +36,4 @@ def differences(record: Mapping[str, Any], seed: int, places: int) -> Iterator[s
     """
     there = {"seed": record["seed"], **record.get("procedure", fingerprint(procedure.PLACES))}
     here = {"seed": seed, **fingerprint(places)}
-    for name in {**there, **here}:
-        if there.get(name) != here.get(name):
-            yield f"{name}: {there.get(name)} there, {here.get(name)} here"
+    return procedures.differences(there, here)

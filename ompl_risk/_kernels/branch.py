@@ -12,21 +12,21 @@ from ompl_risk._kernels.buckets import set_row
 from ompl_risk._kernels.flight_checks import FINE, RADIUS, SPEED, fault
 from ompl_risk._kernels.height_field import HeightField, opened
 from ompl_risk._kernels.inner_loop import inputs
+from ompl_risk._kernels.integrand import FAR, NUMBERS, avoid, least_integral
 from ompl_risk._kernels.jit import entry, kernel
 from ompl_risk._kernels.motion import CONTACT
 from ompl_risk._kernels.nearest import signed_distance, workspace
 from ompl_risk._kernels.propagation import world_velocity
 from ompl_risk._kernels.rigid_body import step
-from ompl_risk._kernels.shares import avoid
 
 AHEAD = 40.0
 """How much farther than needed a distance is measured [m]: so far it need not be measured again."""
 
-# places in the settings
-DT, HOLD, FAR, POWER, TAU, WEIGHT = range(6)
-SETTINGS = 6
-"""Numbers in the settings: time step [s] and steps for which inputs are held; d0 [m] (0 if risk
-does not count), exponent and tau [s] of the norm; cost of a second."""
+# places in the settings, behind those of the integrand
+DT, HOLD, POWER, TAU, WEIGHT = range(NUMBERS, NUMBERS + 5)
+SETTINGS = NUMBERS + 5
+"""Numbers in the settings: the integrand (all 0 if risk does not count), time step [s] and steps
+for which inputs are held, exponent and tau [s] of the norm, cost of a second."""
 
 GOAL, GOAL_ROOM = 9, 8
 """Numbers in a goal: position [m] and velocity in the world [m/s], tolerances of both, and the
@@ -87,20 +87,9 @@ def least_cost(vehicle, state, room):
     far, d = settings[FAR], goal[GOAL_ROOM] + goal[6]
     if not 0.0 < d < far:
         return least
-    f, last = avoid(max(room, CONTACT), far), avoid(d, far)
+    f, last = avoid(max(room, CONTACT), settings), avoid(d, settings)
     rise = settings[TAU] * max(last * last - f * f, 0.0)
-    return least + max(rise, _least_risk(d, min(left, far - d), far, settings[POWER]) / speed)
-
-
-@kernel
-def _least_risk(d, way, far, p):
-    """Integral of f^p along a way that leads straight away from obstacles, from clearance d."""
-    x = d + way
-    if p == 1.0:
-        return max(math.log(x / d) - way / far, 0.0)
-    if p == 2.0:
-        return max(1.0 / d - 1.0 / x - 2.0 * math.log(x / d) / far + way / (far * far), 0.0)
-    return 0.0
+    return least + max(rise, least_integral(d, left, settings[POWER], settings) / speed)
 
 
 @kernel
@@ -152,7 +141,7 @@ def fly(vehicle, ground, state, room, act, steps, budget, control, controls, sta
     settings = vehicle.settings
     dt, hold, far, weight = settings[DT], int(settings[HOLD]), settings[FAR], settings[WEIGHT]
     watch = max(far, vehicle.allowed[SPEED] * dt)
-    f, cost = avoid(room, far), 0.0
+    f, cost = avoid(room, settings), 0.0
     for k in range(steps):
         if k % hold == 0:
             inputs(act, state, vehicle.given, vehicle.low, vehicle.high, vehicle.loop, control)
@@ -172,7 +161,7 @@ def fly(vehicle, ground, state, room, act, steps, budget, control, controls, sta
                 return 0, math.inf, 0.0, False
         cost += weight * dt
         if far > 0.0:
-            f0, f = f, avoid(room, far)
+            f0, f = f, avoid(room, settings)
             if f0 > 0.0 or f > 0.0:
                 cost += risk_of_step(f0, f, dt, settings[POWER], settings[TAU])
         if (k + 1) % hold == 0:

@@ -15,10 +15,11 @@ from numpy.typing import NDArray
 
 from ompl_risk._kernels.extents import box_of, stays_within
 from ompl_risk._kernels.height_field import HeightField
+from ompl_risk._kernels.integrand import FAR, avoid, reach
 from ompl_risk._kernels.jit import kernel
-from ompl_risk._kernels.motion import CONTACT, FIRST, NEAR, clearance_at
+from ompl_risk._kernels.motion import CONTACT, FIRST, clearance_at, enough
 from ompl_risk._kernels.pieces import DURATION, Tracks, fastest_on, position_at
-from ompl_risk._kernels.shares import COARSE, FAR, POWER, TOLERANCE, WEIGHT, avoid, settled
+from ompl_risk._kernels.shares import COARSE, POWER, WEIGHT, settled
 
 
 class Flight(NamedTuple):
@@ -97,7 +98,8 @@ def _power_on(flight, row, d0, d1):
     t0, t1, total = 0.0, row[DURATION], 0.0
     waiting[0, 0], waiting[0, 1] = t1, d1
     top = 1
-    if v * t1 > COARSE * min(d0, d1, far) and d0 + d1 - v * t1 < 2.0 * far:
+    longest = COARSE * reach(min(d0, d1, far), given)
+    if v * t1 > longest and d0 + d1 - v * t1 < 2.0 * far:
         waiting[1, 0] = FIRST * t1
         waiting[1, 1] = _clearance_on(flight, row, FIRST * t1, far + v * t1)
         top = 2
@@ -140,7 +142,7 @@ def _maximum_along(flight, pieces, count):
         if least <= CONTACT:
             return math.inf
         d0 = d1
-    return avoid(least, flight.given[FAR])
+    return avoid(least, flight.given)
 
 
 @kernel
@@ -154,8 +156,7 @@ def _least_on(flight, row, d0, d1, least):
     while top > 0 and least > CONTACT:
         t1, d1 = waiting[top - 1, 0], waiting[top - 1, 1]
         h = v * (t1 - t0)
-        slack = given[TOLERANCE] * max(least, NEAR * far)
-        if 0.5 * (d0 + d1 - h) >= min(max(least - slack, 0.5 * CONTACT), far):
+        if 0.5 * (d0 + d1 - h) >= enough(least, given):
             t0, d0 = t1, d1
             top -= 1
             continue

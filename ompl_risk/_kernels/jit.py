@@ -61,3 +61,7 @@ _no_counts: dict[str, Any] = {"_nrt": False}
 kernel = numba.njit(cache=True, nogil=True, error_model="numpy", **_no_counts)
 """For kernels that kernels call: may not allocate. Without numba's reference counts (an atomic
 instruction for every array that is touched) a distance query takes 0.17 us instead of 0.28 us."""
+
+inlined = numba.njit(cache=True, nogil=True, error_model="numpy", forceinline=True, **_no_counts)
+"""For kernels of numbers that loops over many vehicles call: part of the caller's code, so that
+the compiler can do several rounds of the loop at a time."""

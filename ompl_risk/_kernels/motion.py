@@ -14,18 +14,19 @@ from numba import carray  # pyright: ignore[reportPrivateImportUsage]
 from numpy.typing import NDArray
 
 from ompl_risk._kernels.height_field import HeightField, opened
+from ompl_risk._kernels.integrand import FAR, STEADY, avoid, least_integral
 from ompl_risk._kernels.jit import entry, kernel
 from ompl_risk._kernels.nearest import STACK, inside, signed_distance
 from ompl_risk._kernels.pointers import float64_at, int64_at
 from ompl_risk._kernels.shares import (
-    FAR,
+    COARSE,
+    PARAMETERS,
     POWER,
     RADIUS,
     SPEED,
     TAU,
     TOLERANCE,
     WEIGHT,
-    avoid,
     settled,
 )
 
@@ -37,8 +38,8 @@ FIRST = 0.382
 keep step with regular ground."""
 
 NEAR = 0.01
-"""Clearance below which the maximum of f is found to an absolute accuracy, in units of d0: level
-flight a hand's breadth over flat ground would else take millions of samples."""
+"""Clearance below which the maximum of f = 1/d is found to an absolute accuracy, in units of d0:
+level flight a hand's breadth over flat ground would else take millions of samples."""
 
 DEPTH = 96
 """Pieces that can wait while their left neighbours are halved."""
@@ -74,7 +75,7 @@ def opened_motion(handle):
         carray(float64_at(handle[10]), (DEPTH, 2)),
         carray(float64_at(handle[11]), (3,)),
         carray(float64_at(handle[12]), (3,)),
-        carray(float64_at(handle[13]), (7,)),
+        carray(float64_at(handle[13]), (PARAMETERS,)),
     )
 
 
@@ -192,10 +193,22 @@ def _motion_power(motion, length):
 
 
 @kernel
+def enough(least, given):
+    """Clearance [m] above which nothing changes the maximum of f by more than the tolerance.
+
+    Args:
+        least: the least clearance that was found [m].
+        given: the parameters.
+    """
+    length = COARSE * given[STEADY] if given[STEADY] > 0.0 else max(least, NEAR * given[FAR])
+    return min(max(least - given[TOLERANCE] * length, 0.5 * CONTACT), given[FAR])
+
+
+@kernel
 def _motion_maximum(motion, length):
     """Maximum of f along the motion, to the relative tolerance, never below a sampled value."""
     a, b, given, pieces = motion.a, motion.b, motion.given, motion.pieces
-    far, tolerance = given[FAR], given[TOLERANCE]
+    far = given[FAR]
     ux, uy, uz = b[0] - a[0], b[1] - a[1], b[2] - a[2]
     bound = far + length
     d0 = clearance_at(motion, bound, a[0], a[1], a[2])
@@ -208,8 +221,7 @@ def _motion_maximum(motion, length):
         if least <= CONTACT:
             return math.inf
         s1, d1 = pieces[top - 1, 0], pieces[top - 1, 1]
-        slack = tolerance * max(least, NEAR * far)
-        if 0.5 * (d0 + d1 - (s1 - s0)) >= min(max(least - slack, 0.5 * CONTACT), far):
+        if 0.5 * (d0 + d1 - (s1 - s0)) >= enough(least, given):
             s0, d0 = s1, d1
             top -= 1
             continue
@@ -218,24 +230,7 @@ def _motion_maximum(motion, length):
         least = min(least, d)
         pieces[top, 0], pieces[top, 1] = 0.5 * (s0 + s1), d
         top += 1
-    return avoid(least, far)
-
-
-@kernel
-def _least_power(d, s, far, speed, p):
-    """Lower bound for the integral of f^p over the first s metres of any way from clearance d."""
-    s = min(s, far - d)
-    if s <= 0.0:
-        return 0.0
-    x = d + s
-    if p == 1.0:
-        return max(math.log(x / d) - s / far, 0.0) / speed
-    if p == 2.0:
-        return max(1.0 / d - 1.0 / x - 2.0 * math.log(x / d) / far + s / (far * far), 0.0) / speed
-    total = 0.0
-    for k in range(1, 9):  # f falls: right ends lie below
-        total += avoid(d + s * k / 8.0, far) ** p
-    return total * s / 8.0 / speed
+    return avoid(least, given)
 
 
 @entry
@@ -257,13 +252,13 @@ def heuristic(handle):
 @kernel
 def bound_between(length, d0, d1, given):
     """The same from the length of the motion and the clearances at its ends [m]."""
-    speed, far, p, tau = given[SPEED], given[FAR], given[POWER], given[TAU]
+    speed, p, tau = given[SPEED], given[POWER], given[TAU]
     least = given[WEIGHT] * length / speed
     if d0 <= CONTACT or d1 <= CONTACT:
         return least
-    f0, f1 = avoid(d0, far), avoid(d1, far)
+    f0, f1 = avoid(d0, given), avoid(d1, given)
     if math.isinf(p):
         return max(f0, f1)
     split = min(max(0.5 * (length + d1 - d0), 0.0), length)
-    power = _least_power(d0, split, far, speed, p) + _least_power(d1, length - split, far, speed, p)
-    return least + max(power, tau * abs(f1 * f1 - f0 * f0))
+    power = least_integral(d0, split, p, given) + least_integral(d1, length - split, p, given)
+    return least + max(power / speed, tau * abs(f1 * f1 - f0 * f0))

@@ -12,6 +12,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from ompl_risk._kernels.draws import uniform
 from ompl_risk._kernels.jit import entry, kernel
 
@@ -85,3 +87,26 @@ def quantiles(p, out):
     """``out[k]`` = the quantile at ``p[k]``."""
     for k in range(len(p)):
         out[k] = quantile(p[k])
+
+
+@kernel
+def _word(seed):
+    """A random word of 53 bits, to start another stream from."""
+    return np.uint64(uniform(seed) * 2.0**53)
+
+
+@entry
+def fill_draws(seed, seeds, amplitudes):
+    """Starts of streams ``seeds`` (N,), and normal ``amplitudes`` (N, n) from streams of their own.
+
+    Row k depends on ``seed`` and k only: of two streams that start at mixed values of the seed, it
+    takes the k-th numbers.
+    """
+    stream, other = np.empty(1, np.uint64), np.empty(1, np.uint64)
+    own = np.empty(1, np.uint64)
+    stream[0], other[0] = seed, ~seed
+    stream[0], other[0] = _word(stream), _word(other)
+    for k in range(len(seeds)):
+        seeds[k], own[0] = _word(stream), _word(other)
+        for j in range(amplitudes.shape[1]):
+            amplitudes[k, j] = normal(own)

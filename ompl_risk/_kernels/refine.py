@@ -52,18 +52,6 @@ def distances_and_normals(handle, points, radius, bound, d, normals):
             normals[j, 2] = (z - qz) / distance
 
 
-@entry
-def inverse_distances(d, far, low, scale, f, slope, bend):
-    """f(d) / scale, eq. (3), and its first two derivatives; below d = low it goes on straight."""
-    for j in range(len(d)):
-        f[j] = slope[j] = bend[j] = 0.0
-        if d[j] < far:
-            x = 1.0 / max(d[j], low)
-            slope[j] = -x * x / scale
-            f[j] = (x - 1.0 / far) / scale + slope[j] * min(d[j] - low, 0.0)
-            bend[j] = 2.0 * x * x * x / scale if d[j] > low else 0.0
-
-
 @kernel
 def _piece(f0, f1, dt, p, tau):
     """Integral of f^p + tau^2 f'^2 over a piece, and its derivatives by f0, f1 and dt."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 
-from ompl_risk._kernels.jit import entry, kernel
+from ompl_risk._kernels.jit import entry, inlined, kernel
 
 STATE = 13
 """Numbers in a state."""
@@ -30,11 +30,17 @@ def wrench(u_c, u_psi, gamma_p, gamma_r, given):
         math.sin(gamma_r),
         math.cos(gamma_r),
     )
+    return wrench_of(u_c, u_psi, sp, cp, sr, cr, given)
+
+
+@inlined
+def wrench_of(u_c, u_psi, sp, cp, sr, cr, given):
+    """``wrench`` from the sines and cosines of the rotor's angles."""
     fx, fy, fz = u_c * sp * cr, -u_c * sr, u_c * cp * cr
     return -given[HUB] * fy, given[HUB] * fx, given[TAIL] * u_psi, fx, fy - u_psi, fz
 
 
-@kernel
+@inlined
 def rates(x, y, z, w, v1, v2, v3, o1, o2, o3, load, given):
     """Time derivatives of a state, eqs. (7) and (8), under a load that is fixed in the body."""
     t1, t2, t3, f1, f2, f3 = load
@@ -76,10 +82,17 @@ def step(state, control, dt, given, out):
     ``out`` may be ``state``.
     """
     load = wrench(control[0], control[1], control[2], control[3], given)
-    p1, p2, p3 = state[0], state[1], state[2]
-    q1, q2, q3, q4 = state[3], state[4], state[5], state[6]
-    v1, v2, v3 = state[7], state[8], state[9]
-    o1, o2, o3 = state[10], state[11], state[12]
+    after = advanced(
+        state[0], state[1], state[2], state[3], state[4], state[5], state[6],
+        state[7], state[8], state[9], state[10], state[11], state[12], load, dt, given,
+    )  # fmt: skip
+    for i in range(STATE):
+        out[i] = after[i]
+
+
+@inlined
+def advanced(p1, p2, p3, q1, q2, q3, q4, v1, v2, v3, o1, o2, o3, load, dt, given):
+    """The state after one step under a load that is fixed in the body."""
     h = 0.5 * dt
     a = rates(q1, q2, q3, q4, v1, v2, v3, o1, o2, o3, load, given)
     b = rates(
@@ -101,21 +114,26 @@ def step(state, control, dt, given, out):
         load, given,
     )  # fmt: skip
     s = dt / 6.0
-    out[0] = p1 + s * (a[0] + 2.0 * (b[0] + c[0]) + d[0])
-    out[1] = p2 + s * (a[1] + 2.0 * (b[1] + c[1]) + d[1])
-    out[2] = p3 + s * (a[2] + 2.0 * (b[2] + c[2]) + d[2])
     q1 += s * (a[3] + 2.0 * (b[3] + c[3]) + d[3])
     q2 += s * (a[4] + 2.0 * (b[4] + c[4]) + d[4])
     q3 += s * (a[5] + 2.0 * (b[5] + c[5]) + d[5])
     q4 += s * (a[6] + 2.0 * (b[6] + c[6]) + d[6])
     unit = 1.0 / math.sqrt(q1 * q1 + q2 * q2 + q3 * q3 + q4 * q4)
-    out[3], out[4], out[5], out[6] = q1 * unit, q2 * unit, q3 * unit, q4 * unit
-    out[7] = v1 + s * (a[7] + 2.0 * (b[7] + c[7]) + d[7])
-    out[8] = v2 + s * (a[8] + 2.0 * (b[8] + c[8]) + d[8])
-    out[9] = v3 + s * (a[9] + 2.0 * (b[9] + c[9]) + d[9])
-    out[10] = o1 + s * (a[10] + 2.0 * (b[10] + c[10]) + d[10])
-    out[11] = o2 + s * (a[11] + 2.0 * (b[11] + c[11]) + d[11])
-    out[12] = o3 + s * (a[12] + 2.0 * (b[12] + c[12]) + d[12])
+    return (
+        p1 + s * (a[0] + 2.0 * (b[0] + c[0]) + d[0]),
+        p2 + s * (a[1] + 2.0 * (b[1] + c[1]) + d[1]),
+        p3 + s * (a[2] + 2.0 * (b[2] + c[2]) + d[2]),
+        q1 * unit,
+        q2 * unit,
+        q3 * unit,
+        q4 * unit,
+        v1 + s * (a[7] + 2.0 * (b[7] + c[7]) + d[7]),
+        v2 + s * (a[8] + 2.0 * (b[8] + c[8]) + d[8]),
+        v3 + s * (a[9] + 2.0 * (b[9] + c[9]) + d[9]),
+        o1 + s * (a[10] + 2.0 * (b[10] + c[10]) + d[10]),
+        o2 + s * (a[11] + 2.0 * (b[11] + c[11]) + d[11]),
+        o3 + s * (a[12] + 2.0 * (b[12] + c[12]) + d[12]),
+    )
 
 
 @entry

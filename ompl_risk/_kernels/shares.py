@@ -2,26 +2,23 @@
 
 from __future__ import annotations
 
+from ompl_risk._kernels.integrand import FAR, NUMBERS, avoid, reach
 from ompl_risk._kernels.jit import kernel
 
 COARSE = 0.25
-"""Longest piece of a motion, in clearances at its ends."""
+"""Longest piece of a motion, in lengths over which f changes: clearances, if it has a pole."""
 
 FINE = 0.5
-"""Pieces shorter than so many clearances times the tolerance are not halved again: this ends the
+"""Pieces shorter than so many such lengths times the tolerance are not halved again: this ends the
 halving at kinks of f, where it converges only in proportion to the length."""
 
 BLIND = 0.1
 """Longest piece with no risk at its ends and middle, but perhaps some between, in clearances."""
 
-# places in the parameters
-RADIUS, SPEED, FAR, POWER, TAU, TOLERANCE, WEIGHT = range(7)
-
-
-@kernel
-def avoid(d, far):
-    """f(d), eq. (3)."""
-    return 1.0 / d - 1.0 / far if d < far else 0.0
+# places in the parameters, behind those of the integrand
+RADIUS, SPEED, POWER, TAU, TOLERANCE, WEIGHT, SMALL = range(NUMBERS, NUMBERS + 7)
+PARAMETERS = NUMBERS + 7
+"""Numbers in the parameters; ``SMALL`` is a value of f^p that hardly counts."""
 
 
 @kernel
@@ -45,17 +42,18 @@ def settled(d0, d, d1, h, dt, given):
         dt: its duration [s].
         given: the parameters.
     """
-    far, p, tau, tolerance = given[FAR], given[POWER], given[TAU], given[TOLERANCE]
-    near = min(d0, d, d1, far)
-    if h > COARSE * near:
+    p, tau, tolerance = given[POWER], given[TAU], given[TOLERANCE]
+    near = min(d0, d, d1, given[FAR])
+    length = reach(near, given)
+    if h > COARSE * length or 0.5 * h >= d + min(d0, d1):  # else d is positive everywhere
         return -1.0
     if dt <= 0.0:
         return 0.0
-    f0, f, f1 = avoid(d0, far), avoid(d, far), avoid(d1, far)
+    f0, f, f1 = avoid(d0, given), avoid(d, given), avoid(d1, given)
     once = _piece(f0, f1, dt, p, tau)
     twice = _piece(f0, f, 0.5 * dt, p, tau) + _piece(f, f1, 0.5 * dt, p, tau)
     change = twice - once
-    exact = abs(change) <= tolerance * (twice + 1e-3 * far**-p * dt)
-    if h <= FINE * tolerance * near or (exact and (twice > 0.0 or h <= BLIND * near)):
+    exact = abs(change) <= tolerance * (twice + given[SMALL] * dt)
+    if h <= FINE * tolerance * length or (exact and (twice > 0.0 or h <= BLIND * near)):
         return max(twice + change / 3.0, 0.0)
     return -1.0

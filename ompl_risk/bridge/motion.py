@@ -7,8 +7,7 @@ from typing import Any
 from ompl import base as ob
 
 from ompl_risk.bridge import faults
-from ompl_risk.bridge.states import StateReader
-from ompl_risk.motion import Risk, motion_model
+from ompl_risk.bridge.timed import state_model
 
 
 class ClearanceMotionValidator(ob.MotionValidator):
@@ -16,15 +15,17 @@ class ClearanceMotionValidator(ob.MotionValidator):
 
     Along a motion d changes by at most the distance travelled, so each distance certifies a
     stretch; the check strides over it. OMPL's default validator samples at a fixed resolution and
-    jumps over what is thinner. For motions in R^3 and SE(3); not used by control planners.
+    jumps over what is thinner. For motions in R^3 and SE(3); not used by control planners. In
+    space-time a motion must also go forward in time, at ``vMax`` of the space or less.
 
     Args:
-        si: over R^3, SE(3), or a compound space that starts with one of these.
-        clearance: d(q), 1-Lipschitz in the position.
+        si: over R^3, SE(3), or a compound space that starts with one of these; over
+            ``ob.SpaceTimeStateSpace`` of R^3 where obstacles move.
+        clearance: d(q), 1-Lipschitz in the position; or d(q, t), as a ``MovingClearance``.
 
     Raises:
-        ArgumentError: a state space of another kind, or one without the orientation that the
-            clearance needs.
+        ArgumentError: a state space of another kind, or one without the orientation or the time
+            that the clearance needs.
 
     Attributes:
         obstacles: the clearance.
@@ -33,8 +34,7 @@ class ClearanceMotionValidator(ob.MotionValidator):
     def __init__(self, si: ob.SpaceInformation, clearance: Any) -> None:
         super().__init__(si)
         self.obstacles = clearance
-        reader = StateReader(si.getStateSpace())
-        self._model = motion_model(clearance, Risk(speed=1.0), reader.width)
+        reader, self._model = state_model(si.getStateSpace(), clearance)
         self._read_a, self._read_b = reader.into(self._model.a), reader.into(self._model.b)
 
     def checkMotion(self, s1: ob.State, s2: ob.State) -> bool:

@@ -16,6 +16,7 @@ from ompl_risk.bridge import faults
 from ompl_risk.bridge.states import StateReader
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion import Risk, motion_model
+from ompl_risk.motion.moving import refuse_moving
 from ompl_risk.norms import Norm, Sobolev
 
 
@@ -38,12 +39,13 @@ class RiskObjective(ob.OptimizationObjective):
         si: over R^3, SE(3), or a compound space that starts with one of these.
         clearance: d(q); callable with points (n, 3) [m]. A ``TerrainClearance`` costs one compiled
             call a motion; others are sampled from Python, some hundred times slower.
-        avoidance: f as a function of d; ``InverseDistance(d0=100)`` if left out.
+        avoidance: f as a function of d: ``InverseDistance``, ``FlatCap`` or ``GaussianTail``, all
+            compiled, or a class of your own, sampled; ``InverseDistance(d0=100)`` if left out.
         norm: ``Lp(p)`` or ``Sobolev(1)``; ``Sobolev(1)`` if left out.
         speed: constant speed along motions [m/s].
-        duration_weight: cost of a second [m^-p]. ``None`` is a tie-break so small that it only
-            decides between ways without risk; with ``f(d1)**p`` a second of flight costs as much as
-            one at clearance d1. Not with ``Lp(inf)``.
+        duration_weight: cost of a second, in the unit of f^p. ``None`` is a tie-break so small that
+            it only decides between ways without risk; with ``f(d1)**p`` a second of flight costs as
+            much as one at clearance d1. Not with ``Lp(inf)``.
         tolerance: see ``Risk``.
 
     Raises:
@@ -96,6 +98,7 @@ class RiskObjective(ob.OptimizationObjective):
             duration_weight=duration_weight,
             tolerance=tolerance,
         )
+        refuse_moving(clearance)
         self.clearance, self._reader = clearance, StateReader(si.getStateSpace())
         reader = self._reader
         self._model = motion_model(clearance, self.risk, reader.width)

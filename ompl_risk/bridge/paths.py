@@ -12,6 +12,7 @@ from ompl import geometric as og
 from scipy.spatial.transform import Rotation
 
 from ompl_risk.bridge.states import ALLOWED
+from ompl_risk.bridge.timed import timed_rows
 from ompl_risk.errors import ArgumentError
 from ompl_risk.trajectory import Trajectory, register_path_reader
 
@@ -24,12 +25,13 @@ def read_path(path: Any, speed: float | None = None, name: str = "") -> Trajecto
 
     A ``PathGeometric`` is flown at constant speed. A ``PathControl`` has its own time; it is
     propagated at the step size of its space information, and held controls come along; of states
-    of SE(3) x R^6, as the helicopter's, also velocities in the world.
+    of SE(3) x R^6, as the helicopter's, also velocities in the world. States of an
+    ``ob.SpaceTimeStateSpace`` over R^3 carry their times.
 
     Args:
         path: og.PathGeometric or oc.PathControl over R^3, SE(3), or a compound space that starts
-            with one of these.
-        speed: speed [m/s] for a PathGeometric; must be left out for a PathControl.
+            with one of these, or over space-time.
+        speed: speed [m/s] for a PathGeometric; must be left out where the path has its own time.
         name: name of the trajectory.
 
     Raises:
@@ -42,6 +44,9 @@ def read_path(path: Any, speed: float | None = None, name: str = "") -> Trajecto
         return _read_controlled(path, name)
     if not isinstance(path, og.PathGeometric):
         raise ArgumentError("path", type(path).__name__, "an og.PathGeometric or oc.PathControl")
+    timed = timed_rows(path)
+    if timed is not None:
+        return _read_timed(timed, speed, name)
     if speed is None:
         raise ArgumentError("speed", None, "given [m/s]: a PathGeometric has no time of its own")
     positions, orientations = _read_states(path)
@@ -98,6 +103,14 @@ def publish(
     for rank, name in enumerate(ranking.orders[label]):
         path = paths[names.index(name)]
         problem.addSolutionPath(path, rank > 0, float(rank) if rank else -1.0, f"risk#{rank + 1}")
+
+
+def _read_timed(rows: np.ndarray, speed: float | None, name: str) -> Trajectory:
+    """States that carry their time; of states that are the same the first."""
+    if speed is not None:
+        raise ArgumentError("speed", speed, "left out: the states carry their times")
+    kept = np.append(True, np.any(np.diff(rows, axis=0) != 0.0, axis=1))
+    return Trajectory(rows[kept, 3], rows[kept, :3], name)
 
 
 def _read_controlled(path: oc.PathControl, name: str) -> Trajectory:

@@ -8,8 +8,7 @@ from ompl import base as ob
 from ompl import control as oc
 
 from ompl_risk.bridge import faults
-from ompl_risk.bridge.states import StateReader
-from ompl_risk.motion import Risk, motion_model
+from ompl_risk.bridge.timed import state_model
 
 
 class ClearanceValidityChecker(ob.StateValidityChecker):
@@ -19,12 +18,14 @@ class ClearanceValidityChecker(ob.StateValidityChecker):
     leave that to the checker.
 
     Args:
-        si: over R^3, SE(3), or a compound space that starts with one of these.
+        si: over R^3, SE(3), or a compound space that starts with one of these; over
+            ``ob.SpaceTimeStateSpace`` of R^3 where obstacles move.
         clearance: d(q); callable with points (n, 3) [m], or poses (n, 7) if it uses orientation.
+            Or d(q, t), as a ``MovingClearance``: the state says the time.
 
     Raises:
-        ArgumentError: a state space of another kind, or one without the orientation that the
-            clearance needs.
+        ArgumentError: a state space of another kind, or one without the orientation or the time
+            that the clearance needs.
 
     Attributes:
         obstacles: the clearance.
@@ -34,8 +35,7 @@ class ClearanceValidityChecker(ob.StateValidityChecker):
         super().__init__(si)
         self.obstacles = clearance
         space: Any = si.getStateSpace()
-        reader = StateReader(space)
-        self._model = motion_model(clearance, Risk(speed=1.0), reader.width)
+        reader, self._model = state_model(space, clearance)
         self._read = reader.into(self._model.a)
         self._within = space.satisfiesBounds if isinstance(si, oc.SpaceInformation) else None
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -25,6 +25,8 @@ class Found:
         separation: least Frechet distance between two of them [m].
         facts: what else the provenance should tell.
         flights: how a vehicle with dynamics flies them, in the same order; none for a point.
+        ways: make each path of the roadmap's Pareto set, a flight or trajectory, the fastest first;
+            only if a risk budget has a use for them.
     """
 
     trajectories: Sequence[Trajectory]
@@ -33,6 +35,7 @@ class Found:
     separation: float
     facts: Mapping[str, Any] = field(default_factory=dict)
     flights: Sequence[Any] = ()
+    ways: Sequence[Callable[[], Any]] = ()
 
 
 class Finder(ABC):

@@ -10,7 +10,7 @@ from ompl_risk import planners
 from ompl_risk.cli.finding import Finder, Found
 from ompl_risk.cli.pareto import write_pareto
 from ompl_risk.cli.progress import progress_bar
-from ompl_risk.cli.roadmap import check_found, counts_of, norm_of
+from ompl_risk.cli.roadmap import check_found, counts_of, has_use_for_front, norm_of, ways_of
 from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.settings import PlanSettings
 from ompl_risk.errors import ArgumentError
@@ -18,7 +18,7 @@ from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.library import SHIPPED
 from ompl_risk.helicopter.steering import HelicopterSteering
 from ompl_risk.planners.roadmap.equal_time_flights import equal_time_flights
-from ompl_risk.planners.roadmap.exploring import pareto_routes
+from ompl_risk.planners.roadmap.exploring import Front, pareto_routes
 from ompl_risk.planners.roadmap.flights import flight_roadmap
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.trajectory import Trajectory
@@ -84,8 +84,9 @@ class HelicopterFinder(Finder):
                 on_path=lambda chosen: progress.update(choosing, completed=chosen),
             )
         check_found(roadmap, len(found.flights))
-        if settings.pareto:
-            self._write_pareto(roadmap, steering, folder, console)
+        front = pareto_routes(roadmap) if has_use_for_front(settings) else None
+        if settings.pareto and front is not None:
+            self._write_pareto(front, roadmap, steering, folder, console)
         return Found(
             trajectories=[
                 flight.trajectory(f"alternative {k + 1}", step=STEP)
@@ -95,6 +96,7 @@ class HelicopterFinder(Finder):
             summary=found.summary,
             separation=found.separation,
             flights=found.flights,
+            ways=ways_of(front, lambda route: steering.flight(roadmap.states[route.vertices])),
             facts={
                 "roadmap": counts_of(roadmap),
                 "primitives": {"file": SHIPPED.name, "sha256": _digest(SHIPPED)},
@@ -106,13 +108,18 @@ class HelicopterFinder(Finder):
         )
 
     def _write_pareto(
-        self, roadmap: Roadmap, steering: HelicopterSteering, folder: RunFolder, console: Console
+        self,
+        front: Front,
+        roadmap: Roadmap,
+        steering: HelicopterSteering,
+        folder: RunFolder,
+        console: Console,
     ) -> None:
         def planned(route: Route, name: str) -> Trajectory:
             way = steering.planned(roadmap.states[route.vertices])
             return way.trajectory(name, step=PARETO_STEP)
 
-        write_pareto(pareto_routes(roadmap), self._norm, planned, folder, console)
+        write_pareto(front, self._norm, planned, folder, console)
 
 
 def _digest(path: Path) -> str:

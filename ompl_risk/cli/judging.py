@@ -13,6 +13,7 @@ from ompl_risk.errors import DurationWarning
 from ompl_risk.norms import Lp
 from ompl_risk.probability import CollisionProfile, collision_probabilities
 from ompl_risk.ranking import Ranking, rank
+from ompl_risk.ranking.assessment import Estimate
 from ompl_risk.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -34,13 +35,20 @@ class Judgement:
     order: tuple[int, ...]
 
 
-def judge(trajectories: Sequence[Trajectory], scene: Scene, *, letters: bool = False) -> Judgement:
+def judge(
+    trajectories: Sequence[Trajectory],
+    scene: Scene,
+    *,
+    letters: bool = False,
+    estimates: Sequence[Estimate] = (),
+) -> Judgement:
     """Rank trajectories by the norms of f and of the probability of collision.
 
     Args:
         trajectories: with names that differ.
         scene: what they are judged by.
         letters: call them A, B and so on, in order of the L2 norm of the probability.
+        estimates: probability that each ends in collision, in the same order; or none.
 
     Raises:
         ArgumentError: see `rank`.
@@ -55,7 +63,10 @@ def judge(trajectories: Sequence[Trajectory], scene: Scene, *, letters: bool = F
     names = [_letters(k) if letters else sampled[i].name for k, i in enumerate(order)]
     by_name = {name: profiles[i] for name, i in zip(names, order, strict=True)}
     ordered = [_renamed(sampled[i], name) for name, i in zip(names, order, strict=True)]
-    return Judgement(_rank(ordered, scene, by_name), by_name, tuple(order))
+    known: Mapping[str, Any] = by_name
+    if estimates:
+        known = {name: (by_name[name], estimates[i]) for name, i in zip(names, order, strict=True)}
+    return Judgement(_rank(ordered, scene, known), by_name, tuple(order))
 
 
 def report(
@@ -96,7 +107,7 @@ def report(
 def _rank(
     trajectories: Sequence[Trajectory],
     scene: Scene,
-    profiles: Mapping[str, CollisionProfile] | None = None,
+    known: Mapping[str, Any] | None = None,
 ) -> Ranking:
     with warnings.catch_warnings():
         # The printed ranking says the same, with the Pareto sets.
@@ -107,7 +118,7 @@ def _rank(
             scene.avoidance,
             scene.norms,
             duration_tolerance=scene.duration_tolerance,
-            probability=profiles,
+            probability=known,
         )
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from ompl_risk import planners
 from ompl_risk.clearance.threads import thread_count
 from ompl_risk.cli.candidates import CandidateFinder
+from ompl_risk.cli.closed_loop import closed_loop, spend_budget
 from ompl_risk.cli.finding import Finder, Found
 from ompl_risk.cli.helicopter import PLACES, HelicopterFinder
 from ompl_risk.cli.judging import Judgement, judge, report
@@ -47,7 +48,10 @@ def plan(settings: PlanSettings, console: Console) -> Judgement:
     found = finder.find(folder, console)
     few = "" if len(found.trajectories) == settings.count else f" instead of {settings.count}"
     console.print(f"{found.summary}{few}.", markup=False, highlight=False)
-    judgement = judge(found.trajectories, scene, letters=True)
+    estimates = closed_loop(
+        found.flights or found.trajectories, scene, settings, folder, console, seed=settings.seed
+    )
+    judgement = judge(found.trajectories, scene, letters=True, estimates=estimates)
     title = _title(settings, scene, problem, len(found.trajectories))
     report(
         judgement,
@@ -62,6 +66,7 @@ def plan(settings: PlanSettings, console: Console) -> Judgement:
         from ompl_risk.cli.flights import write_flights
 
         write_flights(found, judgement, scene, settings, folder, console, title)
+    spend_budget(found, scene, settings, folder, console)
     return judgement
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from ompl_risk.cli.closed_loop import closed_loop
 from ompl_risk.cli.judging import Judgement, judge, report
 from ompl_risk.cli.run_folder import RunFolder, settings_as_values
 from ompl_risk.cli.scene import scene_of
@@ -38,7 +39,7 @@ def rank_files(
     folder = RunFolder(settings.output)
     values = settings_as_values(terrain, settings)
     folder.write_config("rank", {**values, "files": [file.resolve() for file in files]})
-    judgement = judge(read, scene)
+    judgement = judge(read, scene, estimates=closed_loop(read, scene, settings, folder, console))
     report(
         judgement,
         scene,

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
 
 from ompl_risk import planners
 from ompl_risk.cli.finding import Finder, Found
@@ -15,7 +17,7 @@ from ompl_risk.motion import Risk
 from ompl_risk.norms import Norm, parse_norm
 from ompl_risk.planners.roadmap.building import roadmap_of
 from ompl_risk.planners.roadmap.equal_time import equal_time_paths
-from ompl_risk.planners.roadmap.exploring import pareto_routes
+from ompl_risk.planners.roadmap.exploring import Front, pareto_routes
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
 from ompl_risk.trajectory import Trajectory
 
@@ -71,8 +73,9 @@ class RoadmapFinder(Finder):
                 on_path=lambda chosen: progress.update(choosing, completed=chosen),
             )
         check_found(roadmap, len(paths.positions))
-        if settings.pareto:
-            write_pareto(pareto_routes(roadmap), self._norm, self._trajectory, folder, console)
+        front = pareto_routes(roadmap) if has_use_for_front(settings) else None
+        if settings.pareto and front is not None:
+            write_pareto(front, self._norm, self._trajectory, folder, console)
         return Found(
             trajectories=[
                 Trajectory.at_constant_speed(p, settings.speed, f"alternative {k + 1}")
@@ -82,10 +85,26 @@ class RoadmapFinder(Finder):
             summary=paths.summary,
             separation=paths.separation,
             facts={"roadmap": counts_of(roadmap)},
+            ways=ways_of(front, lambda route: self._trajectory(route, "chosen")),
         )
 
     def _trajectory(self, route: Route, name: str) -> Trajectory:
         return Trajectory.at_constant_speed(route.states, self._settings.speed, name)
+
+
+def has_use_for_front(settings: PlanSettings) -> bool:
+    """Whether the Pareto set is asked for, or for a risk budget to choose from."""
+    return settings.pareto or settings.max_collision_probability is not None
+
+
+def ways_of(front: Front | None, made: Callable[[Route], Any]) -> Sequence[Callable[[], Any]]:
+    """What makes each path of a Pareto set, the fastest first.
+
+    Args:
+        front: the set; none if there is no use for it.
+        made: a route as a trajectory or flight.
+    """
+    return [] if front is None else [partial(made, route) for route in front.routes]
 
 
 def norm_of(settings: PlanSettings, problem: planners.Problem) -> Norm:

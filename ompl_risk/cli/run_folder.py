@@ -87,7 +87,12 @@ class RunFolder:
             "versions": versions(),
             **facts,
         }
-        self._write("provenance.json", json.dumps(whole, indent=2, ensure_ascii=False) + "\n")
+        self.write_json("provenance.json", whole)
+
+    def write_json(self, name: str, data: Mapping[str, Any]) -> None:
+        """Write plain data as strict JSON."""
+        text = json.dumps(data, indent=2, allow_nan=False, ensure_ascii=False)
+        self._write(name, text + "\n")
 
     def _write(self, name: str, text: str) -> None:
         try:

@@ -39,6 +39,9 @@ class JudgeSettings:
         uncertainty: radius r of the ball in which the vehicle may really be [m].
         norms: norms to rank by: L1, L2, any Lp, Linf, H1, H1(0.5) with a time scale [s].
         duration_tolerance: relative spread of durations within which norms compare.
+        rollouts: also fly each path so often in wind, navigation and terrain error, and rank by how
+            often it collides.
+        disturbances: how strong these are.
         output: folder for the results, new or empty; runs/TIME if left out.
     """
 
@@ -51,6 +54,8 @@ class JudgeSettings:
     uncertainty: float = 100.0
     norms: tuple[str, ...] = ("L1", "L2", "Linf", "H1")
     duration_tolerance: float = 0.05
+    rollouts: Whole | None = None
+    disturbances: Literal["calm", "moderate", "severe"] = "moderate"
     output: Path | None = None
 
 
@@ -81,6 +86,8 @@ class PlanSettings(JudgeSettings):
             helicopter, whose roadmap has a vertex for every cruise speed at each, if left out.
         roadmap_norm: norm that the roadmap counts risk by: L1, L2, any Lp, Linf, H1.
         pareto: also find all paths of the roadmap that no other undercuts in duration and risk.
+        max_collision_probability: also find the fastest path of the roadmap that, flown in those
+            disturbances, surely collides no more often than this.
         animation: also write a film of the helicopter's safest flight by the last norm: the minute
             around the place where it is nearest to the ground on its way. mp4 needs ffmpeg.
         searches: criteria that planners of OMPL plan by, each "length" or norm@clearance such as
@@ -109,6 +116,7 @@ class PlanSettings(JudgeSettings):
     samples: Whole | None = None
     roadmap_norm: str = "H1"
     pareto: bool = False
+    max_collision_probability: float | None = None
     animation: Literal["gif", "mp4"] | None = None
     searches: tuple[str, ...] = SEARCHES
     runs: Whole = 2

@@ -13,14 +13,13 @@ from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import connect, connect_tables, flights
 from ompl_risk._kernels.connect_tables import ConnectTables
 from ompl_risk._kernels.pieces import Tracks
-from ompl_risk.avoidance import InverseDistance
-from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.threads import in_chunks, thread_count
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.flight_risk import Connections, FlightRisk, TerrainFlightRisk
 from ompl_risk.helicopter.sampled_flight_risk import SampledFlightRisk
 from ompl_risk.helicopter.tables import used
 from ompl_risk.motion import MotionBatch, Risk
+from ompl_risk.motion.choice import answers_compiled
 
 WIDTH = 5
 """Numbers in a vertex: x, y, z [m], heading [rad] and the index of the speed."""
@@ -49,10 +48,10 @@ def fastest(tables: ConnectTables, tracks: Tracks) -> float:
 class PrimitiveBatch(MotionBatch):
     """``MotionBatch`` of the connections of trims and manoeuvres.
 
-    Over a ``TerrainClearance`` with ``InverseDistance`` every answer is compiled code in several
-    threads; any other clearance is asked about thousands of positions at a time. Risks are
-    integrals over time along the curves that are flown, see ``Risk``; its speed only serves the
-    lower bounds.
+    Over a ``TerrainClearance``, with an avoidance function of this library, every answer is
+    compiled code in several threads; any other clearance is asked about thousands of positions at a
+    time. Risks are integrals over time along the curves that are flown, see ``Risk``; its speed
+    only serves the lower bounds.
 
     Args:
         tables: what connections are made of.
@@ -233,13 +232,9 @@ def flight_risk(tracks: Tracks, clearance: Any, risk: Risk) -> FlightRisk:
     if getattr(clearance, "uses_orientation", False):
         allowed = "one that does not use the orientation: here the body is a sphere"
         raise ArgumentError("clearance", clearance, allowed)
-    # subclasses that change what is computed must not be bypassed by compiled code
-    if (
-        isinstance(clearance, TerrainClearance)
-        and type(clearance).__call__ is TerrainClearance.__call__
-        and type(risk.avoidance) is InverseDistance
-    ):
-        return TerrainFlightRisk(tracks, clearance, risk)
+    asked: Any = clearance
+    if answers_compiled(asked, risk):
+        return TerrainFlightRisk(tracks, asked, risk)
     return SampledFlightRisk(tracks, clearance, risk)
 
 

@@ -73,7 +73,9 @@ class FlightRisk(ABC):
 
 
 class TerrainFlightRisk(FlightRisk):
-    """``FlightRisk`` over a ``TerrainClearance`` with ``InverseDistance``, in compiled code.
+    """``FlightRisk`` over a ``TerrainClearance``, in compiled code.
+
+    The avoidance function is one of this library.
 
     Args:
         tracks: where the manoeuvres lead.

@@ -15,6 +15,9 @@ from ompl_risk.avoidance import Avoidance, InverseDistance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.norms import Lp, Norm, Sobolev
 
+LARGEST = 600.0
+"""Logarithm of the largest power that is told from infinity."""
+
 
 @dataclass(frozen=True)
 class Risk:
@@ -26,14 +29,15 @@ class Risk:
 
     the p-th power of the norm, since only that adds up along a path; take the root once, at the
     end. The weight has the unit of f^p: with ``weight = f(d1)**p`` a second of flight costs as
-    much as a second at clearance d1. The default ``1e-9 / d0**p`` only breaks ties among free
-    ways.
+    much as a second at clearance d1. The default, ``1e-9 f(d0/2)**p`` (``1e-9 / d0**p`` for
+    ``InverseDistance``), only breaks ties among free ways.
 
     Args:
         avoidance: f as a function of d.
         norm: ``Lp(p)`` or ``Sobolev(1)``.
         speed: constant speed along motions [m/s], of the fastest point of a body that turns.
-        duration_weight: cost of a second [m^-p]; ``None`` for the tie-break, 0 for none.
+        duration_weight: cost of a second, in the unit of f^p; ``None`` for the tie-break, 0 for
+            none.
         tolerance: pieces of a motion are halved until a share of the cost changes by less than
             this fraction; the cost as a whole is then about as accurate.
 
@@ -90,12 +94,20 @@ class Risk:
 
     @property
     def weight(self) -> float:
-        """Cost of a second of duration [m^-p]."""
+        """Cost of a second of duration, in the unit of f^p."""
         if math.isinf(self.exponent):
             return 0.0
         if self.duration_weight is not None:
             return float(self.duration_weight)
-        return 1e-9 * self.avoidance.d0**-self.exponent
+        return 1e-9 * self.avoidance.typical**self.exponent
+
+    @property
+    def negligible(self) -> float:
+        """A value of f^p so small that it need not be known more exactly."""
+        if math.isinf(self.exponent):
+            return 0.0
+        logarithm = self.exponent * math.log(self.avoidance.typical)
+        return 1e-3 * math.exp(min(logarithm, LARGEST))  # a power might overflow
 
     def combine(self, costs: Any) -> float:
         """Cost of a path from the costs of its motions."""

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 from typing import Any
 
-from ompl_risk.avoidance import InverseDistance
+from ompl_risk.avoidance.compiled import is_compiled
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion.base import MotionModel, Risk
 from ompl_risk.motion.batch import MotionBatch
+from ompl_risk.motion.moving import refuse_moving
 from ompl_risk.motion.sampled import SampledBatch
 from ompl_risk.motion.sampled_motion import SampledMotion
 from ompl_risk.motion.terrain import TerrainBatch, TerrainMotion
@@ -27,7 +28,7 @@ def motion_model(clearance: Any, risk: Risk, width: int = 3) -> MotionModel:
             states of this width do not have.
     """
     _check(clearance)
-    if _is_compiled(clearance, risk):
+    if answers_compiled(clearance, risk):
         return TerrainMotion(clearance, risk, width)
     return SampledMotion(clearance, risk, width)
 
@@ -47,7 +48,7 @@ def motion_batch(
         ArgumentError: see ``motion_model``.
     """
     _check(clearance)
-    if _is_compiled(clearance, risk) and width == 3:
+    if answers_compiled(clearance, risk) and width == 3:
         return TerrainBatch(clearance, risk, threads=threads)
     return SampledBatch(clearance, risk, width)
 
@@ -57,12 +58,16 @@ def _check(clearance: Any) -> None:
         raise ArgumentError(
             "clearance", clearance, "callable with points (n, 3), as TerrainClearance"
         )
+    refuse_moving(clearance)
 
 
-def _is_compiled(clearance: Any, risk: Risk) -> bool:
-    """Subclasses that change what is computed must not be bypassed by compiled code."""
+def answers_compiled(clearance: Any, risk: Risk) -> bool:
+    """Whether compiled code computes what clearance and avoidance function do.
+
+    Subclasses that change what is computed must not be bypassed by it.
+    """
     return (
         isinstance(clearance, TerrainClearance)
         and type(clearance).__call__ is TerrainClearance.__call__
-        and type(risk.avoidance) is InverseDistance
+        and is_compiled(risk.avoidance)
     )

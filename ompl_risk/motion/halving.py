@@ -103,12 +103,13 @@ def are_free(lines: Motions) -> NDArray[np.bool_]:
 
 def maxima(lines: Motions, risk: Risk) -> FloatArray:
     """Maxima of f along the motions, to the tolerance; inf in collision, shape (n,)."""
-    far, tolerance = risk.avoidance.d0, risk.tolerance
+    far, steady, tolerance = risk.avoidance.d0, risk.avoidance.steady, risk.tolerance
     least, pieces = _begun(lines)
 
     def step(pieces: Pieces) -> Pieces:
         found = least[pieces.k]
-        enough = np.minimum((1.0 - tolerance) * found, found - tolerance * NEAR * far)
+        length = np.clip(found, NEAR * far, far) if steady is None else COARSE * steady
+        enough = found - tolerance * length
         enough = np.minimum(np.maximum(enough, 0.5 * CONTACT), far)
         lowest = 0.5 * (pieces.d0 + pieces.d1 - pieces.lengths(lines))
         pieces = pieces.where((lowest < enough) & (found > CONTACT))
@@ -173,14 +174,17 @@ def _settled(
         d: clearances in their middles [m].
         risk: how risk is counted.
     """
-    near = np.minimum(np.minimum(pieces.d0, pieces.d1), np.minimum(d, risk.avoidance.d0))
+    ends = np.minimum(pieces.d0, pieces.d1)
+    near = np.minimum(np.minimum(ends, d), risk.avoidance.d0)
+    length = near if risk.avoidance.steady is None else risk.avoidance.steady
     f0, f, f1 = risk.avoidance(np.stack([pieces.d0, d, pieces.d1]))
     once = _integrals(f0, f1, dt, risk)
     twice = _integrals(f0, f, 0.5 * dt, risk) + _integrals(f, f1, 0.5 * dt, risk)
-    change, negligible = twice - once, 1e-3 * risk.avoidance.d0**-risk.exponent
-    exact = np.abs(change) <= risk.tolerance * (twice + negligible * dt)
+    change = twice - once
+    exact = np.abs(change) <= risk.tolerance * (twice + risk.negligible * dt)
     exact &= (twice > 0.0) | (h <= BLIND * near)
-    done = (h <= COARSE * near) & (exact | (h <= FINE * risk.tolerance * near))
+    done = (h <= COARSE * length) & (exact | (h <= FINE * risk.tolerance * length))
+    done &= 0.5 * h < d + ends  # so d is positive everywhere
     return done, np.maximum(twice + change / 3.0, 0.0)
 
 

@@ -9,8 +9,10 @@ from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import motion, motions, nearest
+from ompl_risk.avoidance.compiled import compiled_form
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.threads import in_chunks, thread_count
+from ompl_risk.errors import ArgumentError
 from ompl_risk.motion.base import MotionModel, Risk
 from ompl_risk.motion.batch import MotionBatch
 
@@ -19,22 +21,21 @@ LEAST = 512
 
 
 def kernel_parameters(radius: float, risk: Risk) -> FloatArray:
-    """The parameters of the kernels, in their order; ``radius`` [m] is the vehicle's."""
-    return np.array(
-        [
-            radius,
-            risk.speed,
-            risk.avoidance.d0,
-            risk.exponent,
-            risk.time_scale,
-            risk.tolerance,
-            risk.weight,
-        ]
-    )
+    """The parameters of the kernels, in their order; ``radius`` [m] is the vehicle's.
+
+    Raises:
+        ArgumentError: an avoidance function that compiled code does not know.
+    """
+    form = compiled_form(risk.avoidance)
+    if form is None:
+        known = "an avoidance function of this library: compiled code knows no other"
+        raise ArgumentError("risk.avoidance", risk.avoidance, known)
+    counted = [risk.speed, risk.exponent, risk.time_scale, risk.tolerance, risk.weight]
+    return np.array([*form, radius, *counted, risk.negligible])
 
 
 class TerrainMotion(MotionModel):
-    """``MotionModel`` over a ``TerrainClearance``, with ``InverseDistance``.
+    """``MotionModel`` over a ``TerrainClearance``, with an avoidance function of this library.
 
     Args:
         clearance: the terrain and the vehicle's radius.
@@ -79,7 +80,9 @@ def _plain(array: FloatArray) -> FloatArray:
 
 
 class TerrainBatch(MotionBatch):
-    """``MotionBatch`` over a ``TerrainClearance``, with ``InverseDistance``, in several threads.
+    """``MotionBatch`` over a ``TerrainClearance``, in several threads.
+
+    The avoidance function is one of this library.
 
     Args:
         clearance: the terrain and the vehicle's radius.

@@ -1,5 +1,7 @@
 """Approximate probability of collision along a trajectory, P_c(t)."""
 
+from ompl_risk.probability.crossings import CrossingRate as CrossingRate
+from ompl_risk.probability.crossings import Crossings as Crossings
 from ompl_risk.probability.estimators import BallSampling as BallSampling
 from ompl_risk.probability.estimators import ColumnQuadrature as ColumnQuadrature
 from ompl_risk.probability.estimators import Estimator as Estimator

@@ -5,6 +5,7 @@ from __future__ import annotations
 import functools
 import math
 from abc import ABC, abstractmethod
+from collections.abc import Callable
 from dataclasses import KW_ONLY, dataclass
 from typing import Any, Literal, NamedTuple
 
@@ -14,6 +15,7 @@ from numpy.typing import NDArray
 from ompl_risk._kernels import ball, nearest
 from ompl_risk.clearance import TerrainClearance, UnionClearance
 from ompl_risk.clearance.base import as_queries
+from ompl_risk.clearance.moving import MovingClearance
 from ompl_risk.clearance.threads import in_chunks
 from ompl_risk.errors import ArgumentError
 from ompl_risk.probability.proportion import Proportion, clopper_pearson
@@ -37,13 +39,17 @@ class Estimator(ABC):
     """Estimates the share of the ball around each point that lies in obstacles."""
 
     @abstractmethod
-    def estimate(self, clearance: Any, points: Floats, radius: float) -> Estimate:
+    def estimate(
+        self, clearance: Any, points: Floats, radius: float, *, times: Floats | None = None
+    ) -> Estimate:
         """Shares for all points.
 
         Args:
             clearance: d <= 0 marks what counts as obstacle; callable with points (n, 3).
             points: centres [m], shape (n, 3).
             radius: of the ball [m].
+            times: when each centre is reached [s], shape (n,); given where obstacles move, as those
+                of a ``MovingClearance``.
         """
 
 
@@ -82,14 +88,19 @@ class ColumnQuadrature(Estimator):
         """x, y, half height, weight and half (0 or 1) of the columns of a unit ball, (m, 5)."""
         return _columns(self.rings, self.spokes)
 
-    def estimate(self, clearance: Any, points: Floats, radius: float) -> Estimate:
-        """Shares for all points.
+    def estimate(
+        self, clearance: Any, points: Floats, radius: float, *, times: Floats | None = None
+    ) -> Estimate:
+        """Shares for all points; terrain stands still at all times.
 
         Raises:
             ArgumentError: the clearance is not a ``TerrainClearance``.
         """
+        del times
         if not isinstance(clearance, TerrainClearance):
-            raise ArgumentError("estimator", self, f"BallSampling() for {type(clearance).__name__}")
+            mixed = "ColumnsAndSampling() or " if isinstance(clearance, MovingClearance) else ""
+            allowed = f"{mixed}BallSampling() for {type(clearance).__name__}"
+            raise ArgumentError("estimator", self, allowed)
         points = as_queries(points, 3)
         columns, halves, depth = self.columns(), np.empty((len(points), 2)), np.empty(len(points))
         rows, grown = _weighted(columns), clearance.radius
@@ -176,8 +187,26 @@ class BallSampling(Estimator):
         if not 0.0 < self.confidence < 1.0:
             raise ArgumentError("confidence", self.confidence, "between 0 and 1")
 
-    def estimate(self, clearance: Any, points: Floats, radius: float) -> Estimate:
+    def estimate(
+        self, clearance: Any, points: Floats, radius: float, *, times: Floats | None = None
+    ) -> Estimate:
         """Shares for all points, with Clopper-Pearson intervals."""
+
+        def inside(k: int, sampled: Floats) -> NDArray[np.bool_]:
+            return in_obstacles(standing(clearance, times, k), sampled)
+
+        return self.counted(inside, points, radius)
+
+    def counted(
+        self, inside: Callable[[int, Floats], NDArray[np.bool_]], points: Floats, radius: float
+    ) -> Estimate:
+        """The same for anything that tells which points count.
+
+        Args:
+            inside: inside(k, sampled), which of the points sampled about centre k count, (m,).
+            points: centres [m], shape (n, 3).
+            radius: of the ball [m].
+        """
         rng = np.random.default_rng(self.seed)
         shared = self.offsets == "shared"
         offsets = radius * ball_points(self.samples, rng)
@@ -185,9 +214,9 @@ class BallSampling(Estimator):
         for k, point in enumerate(points):
             if not shared and k > 0:
                 offsets = radius * ball_points(self.samples, rng)
-            inside = _inside(clearance, point + offsets)
-            hits[k] = inside.sum()
-            ever |= inside
+            hit = inside(k, point + offsets)
+            hits[k] = hit.sum()
+            ever |= hit
         low, high = clopper_pearson(hits, self.samples, self.confidence)
         whole = None
         if shared:
@@ -215,6 +244,8 @@ def ball_points(n: int, rng: np.random.Generator) -> Floats:
 
 def levelled(clearance: Any) -> Any:
     """The clearance with the ground going on level beyond the map, where it else is -inf."""
+    if isinstance(clearance, MovingClearance):
+        return clearance.with_static(levelled(clearance.static))
     if isinstance(clearance, UnionClearance) and not clearance.uses_orientation:
         return UnionClearance([levelled(member) for member in clearance.members])
     if not isinstance(clearance, TerrainClearance):
@@ -230,7 +261,16 @@ def levelled(clearance: Any) -> Any:
     return level
 
 
-def _inside(clearance: Any, points: Floats) -> NDArray[np.bool_]:
+def standing(clearance: Any, times: Floats | None, k: int) -> Any:
+    """The obstacles as they stand when the k-th state is reached."""
+    if not isinstance(clearance, MovingClearance):
+        return clearance
+    if times is None:
+        raise ArgumentError("times", None, "given where obstacles move")
+    return levelled(clearance).at(times[k])
+
+
+def in_obstacles(clearance: Any, points: Floats) -> NDArray[np.bool_]:
     """Which points count as obstacle."""
     if isinstance(clearance, TerrainClearance) and clearance.radius == 0.0:
         found = np.empty(len(points), dtype=np.bool_)

@@ -12,8 +12,10 @@ from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray, positive
 from ompl_risk.clearance import TerrainClearance
+from ompl_risk.clearance.moving import MovingClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.probability.estimators import BallSampling, ColumnQuadrature, Estimator
+from ompl_risk.probability.mixed import ColumnsAndSampling
 from ompl_risk.probability.proportion import Proportion
 from ompl_risk.trajectory import Trajectory
 
@@ -84,13 +86,14 @@ def collision_probability(
     Args:
         trajectory: where the vehicle should be.
         obstacles: a ``Terrain``, a clearance, or any callable from points (n, 3) to distances.
+            Those of a ``MovingClearance`` are taken as they stand when each state is reached.
         radius: r, bound of the position error [m].
-        estimator: ``ColumnQuadrature()`` for terrain and ``BallSampling()`` for the rest if left
-            out.
+        estimator: if left out ``ColumnQuadrature()`` for terrain, ``ColumnsAndSampling()`` for
+            terrain with obstacles that move, and ``BallSampling()`` for the rest.
         grow: count positions where the vehicle's sphere touches an obstacle, rather than, as (9)
             does, only those where its centre is inside. A plain callable is taken as it is.
-        max_step: longest step between states [m]; "auto" is radius / 50, ``None`` takes the
-            trajectory's own samples.
+        max_step: longest step between states [m], also against obstacles that move and may come
+            into the ball; "auto" is radius / 50, ``None`` takes the trajectory's own samples.
 
     Returns:
         P_c at the samples of the (refined) trajectory, with bounds.
@@ -108,13 +111,13 @@ def collision_probability(
         raise ArgumentError("estimator", estimator, "ColumnQuadrature() or BallSampling()")
     terrain = _as_clearance(obstacles, grow)
     if estimator is None:
-        is_terrain = isinstance(terrain, TerrainClearance)
-        estimator = ColumnQuadrature() if is_terrain else BallSampling()
+        estimator = _suited(terrain)
     if max_step is not None:
         step = radius / 50.0 if max_step == "auto" else positive("max_step", max_step)
-        trajectory = trajectory.densify(step)
+        trajectory = _refined(trajectory, terrain, step, radius)
     points = np.ascontiguousarray(trajectory.positions)
-    estimate = estimator.estimate(terrain, points, radius)
+    when = {"times": trajectory.t} if isinstance(terrain, MovingClearance) else {}
+    estimate = estimator.estimate(terrain, points, radius, **when)
     body = " grown by the body" if grow else ""
     return CollisionProfile(
         np.array(trajectory.t),
@@ -188,6 +191,29 @@ def _shared_out(clearance: Any, estimator: Estimator | None, count: int) -> tupl
     single = clearance.with_radius(clearance.radius)
     single.threads = 1
     return single, clearance.threads
+
+
+def _suited(clearance: Any) -> Estimator:
+    """The best estimator for obstacles."""
+    if isinstance(clearance, MovingClearance):
+        over_terrain = isinstance(clearance.static, TerrainClearance)
+        return ColumnsAndSampling() if over_terrain else BallSampling()
+    return ColumnQuadrature() if isinstance(clearance, TerrainClearance) else BallSampling()
+
+
+def _refined(trajectory: Trajectory, clearance: Any, step: float, radius: float) -> Trajectory:
+    """With states no more than ``step`` [m] apart, also against what moves within ``radius``."""
+    trajectory = trajectory.densify(step)
+    if not isinstance(clearance, MovingClearance):
+        return trajectory
+    while True:
+        t, x = trajectory.t, trajectory.positions
+        travels = clearance.travels(x[:-1], t[:-1], x[1:], t[1:], far=radius)
+        # Few parts at a time: of a long wait only a moment may be near an obstacle.
+        parts = np.clip(np.ceil(travels / step * (1.0 - 1e-9)), 1.0, 8.0).astype(np.int64)
+        if (parts == 1).all():
+            return trajectory
+        trajectory = trajectory.subdivide(parts)
 
 
 def _as_clearance(obstacles: Any, grow: bool) -> Any:

@@ -32,6 +32,25 @@ class Profile(Protocol):
         ...
 
 
+class Estimate(Protocol):
+    """A probability that the whole trajectory ends in collision, as from closed-loop rollouts."""
+
+    @property
+    def probability(self) -> float:
+        """The estimate."""
+        ...
+
+    @property
+    def low(self) -> float:
+        """Lower end of its interval."""
+        ...
+
+    @property
+    def high(self) -> float:
+        """Upper end of its interval."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Assessment:
     """The risk along one trajectory.
@@ -43,6 +62,7 @@ class Assessment:
         norms: norm of f by label.
         attribution: where each norm comes from, by label; None for a norm that is 0 or infinite.
         pc_norms: the same norms of the probability of collision, by label, if one was given.
+        estimate: probability that the whole trajectory ends in collision, if one was given.
     """
 
     trajectory: Trajectory
@@ -51,6 +71,7 @@ class Assessment:
     norms: Mapping[str, float]
     attribution: Mapping[str, Attribution | None]
     pc_norms: Mapping[str, float] = field(default_factory=dict)
+    estimate: Estimate | None = None
 
     @property
     def name(self) -> str:
@@ -118,6 +139,7 @@ def assess(
     max_step: float | None,
     window_share: float,
     profile: Profile | None = None,
+    estimate: Estimate | None = None,
 ) -> Assessment:
     """Sample d and f along a trajectory and take every norm; see `rank` for the arguments."""
     samples = sample(trajectory, clearance, avoidance, max_step)
@@ -137,6 +159,7 @@ def assess(
         values,
         Attributions(parts, window_share),
         {} if profile is None else {norm.label: _pc_norm(norm, profile) for norm in norms},
+        estimate,
     )
 
 

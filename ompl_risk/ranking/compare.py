@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 import warnings
 from collections.abc import Iterable, Mapping, Sequence
+from typing import TypeAlias
 
 from ompl_risk._arrays import positive, real_number
 from ompl_risk.avoidance import Avoidance
 from ompl_risk.errors import ArgumentError, DurationWarning
 from ompl_risk.norms import Lp, Norm, Sobolev
-from ompl_risk.ranking.assessment import Assessment, Profile, assess
+from ompl_risk.ranking.assessment import Assessment, Estimate, Profile, assess
+from ompl_risk.ranking.probabilities import given_probabilities
 from ompl_risk.ranking.result import Ranking
 from ompl_risk.ranking.sampling import Clearance
 from ompl_risk.ranking.sharing import each, shared_out
@@ -18,6 +20,9 @@ from ompl_risk.trajectory import Trajectory
 
 DEFAULT_NORMS: tuple[Norm, ...] = (Lp(1), Lp(2), Lp(math.inf), Sobolev(1))
 """The four norms of the paper."""
+
+Probability: TypeAlias = Profile | Estimate | tuple[Profile | Estimate, ...]
+"""What is known of a trajectory's probability of collision."""
 
 
 def rank(
@@ -29,15 +34,16 @@ def rank(
     duration_tolerance: float = 0.05,
     max_step: float | str | None = "auto",
     window_share: float = 0.5,
-    probability: Mapping[str, Profile] | Sequence[Profile] | None = None,
+    probability: Mapping[str, Probability] | Sequence[Probability] | None = None,
 ) -> Ranking:
     """Rank trajectories from safest to riskiest by the norms of f(t) = avoidance(clearance(x(t))).
 
     The samples given may be corners far apart. Each trajectory is straight between them, and
     samples are inserted until no step is longer than `max_step`, nor, where an obstacle is
     within d0, than a tenth of the distance to it, because f changes on that scale (down to steps
-    of d0 / 10,000). On f = 1/d - 1/d0 that leaves errors below 0.1 % in the norms
-    (0.5 % in the tiny ones of a trajectory that hardly comes nearer than d0).
+    of d0 / 10,000). On f = 1/d - 1/d0, and on `FlatCap` and `GaussianTail` with their own d0,
+    that leaves errors below 0.1 % in the norms (0.5 % in the tiny ones of a trajectory that
+    hardly comes nearer than d0).
     Norms that need equal time steps get as many samples in equal steps. Steps are measured
     in position: for a body whose orientation matters, give samples that are dense in rotation.
 
@@ -45,15 +51,19 @@ def rank(
         trajectories: at least one, with names that differ.
         clearance: points [m], shape (n, 3), to signed distances [m], shape (n,); poses, shape
             (n, 7), if its attribute `uses_orientation` is true.
-        avoidance: the avoidance function, such as InverseDistance(d0=100.0).
+        avoidance: the avoidance function, such as InverseDistance(d0=100.0), FlatCap(r=100.0) or
+            GaussianTail(sigma=25.0).
         norms: at least one, with labels that differ.
         duration_tolerance: relative spread of the durations, (max - min) / min, up to which the
             norms compare.
         max_step: longest step between evaluations of the distance [m]; "auto" is d0 / 50; None
             evaluates it at the given samples alone, which may miss a collision between them.
         window_share: part of a norm's power that the window of its attribution has to hold.
-        probability: probability of collision along each trajectory, by name or in the order of
-            `trajectories`: anything with arrays `t` and `p`. Its norms are ranked too.
+        probability: probability of collision, by name or in the order of `trajectories`. Along each
+            trajectory (anything with arrays `t` and `p`, as from `collision_probability`): its
+            norms are ranked too. Or of the whole trajectory (anything with `probability`, `low`
+            and `high`, as from `simulation.closed_loop_probability`): it is ranked as such, and
+            compared with the norms. Or a tuple of both.
 
     Returns:
         The ranking.
@@ -80,14 +90,14 @@ def rank(
     if not 0 < share <= 1:
         raise ArgumentError("window_share", window_share, "a number above 0, at most 1")
     step = _step(max_step, avoidance)
-    profiles = _profiles(probability, trajectories)
+    known = given_probabilities(probability, [trajectory.name for trajectory in trajectories])
     used, threads = shared_out(clearance, (avoidance, *norms), len(trajectories))
 
     def work(trajectory: Trajectory) -> Assessment:
-        profile = profiles.get(trajectory.name)
+        given = known[trajectory.name]
         return assess(
             trajectory, used, avoidance, norms,
-            max_step=step, window_share=share, profile=profile,
+            max_step=step, window_share=share, profile=given.profile, estimate=given.estimate,
         )  # fmt: skip
 
     ranking = Ranking(each(work, trajectories, threads), norms, tolerance)
@@ -139,26 +149,3 @@ def _step(max_step: float | str | None, avoidance: Avoidance) -> float | None:
             raise ArgumentError("max_step", max_step, '"auto", a length [m], or None')
         return avoidance.d0 / 50
     return None if max_step is None else positive("max_step", max_step)
-
-
-def _profiles(
-    probability: Mapping[str, Profile] | Sequence[Profile] | None,
-    trajectories: tuple[Trajectory, ...],
-) -> dict[str, Profile]:
-    names = [trajectory.name for trajectory in trajectories]
-    if probability is None:
-        return {}
-    if not isinstance(probability, Mapping):
-        probability = tuple(probability)
-        if len(probability) != len(names):
-            raise ArgumentError("len(probability)", len(probability), f"{len(names)}: one each")
-        profiles = dict(zip(names, probability, strict=True))
-    elif set(probability) == set(names):
-        profiles = dict(probability)
-    else:
-        raise ArgumentError("probability", sorted(probability), f"a profile for each of {names}")
-    for name, profile in profiles.items():
-        if not (hasattr(profile, "t") and hasattr(profile, "p")):
-            allowed = "a profile with arrays t and p, as from collision_probability"
-            raise ArgumentError(f"probability[{name!r}]", profile, allowed)
-    return profiles

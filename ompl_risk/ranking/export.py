@@ -11,7 +11,7 @@ from ompl_risk._arrays import FloatArray
 from ompl_risk.errors import ExtraError, FileError
 from ompl_risk.norms import Norm
 from ompl_risk.ranking.agreement import Agreement
-from ompl_risk.ranking.assessment import Assessment
+from ompl_risk.ranking.assessment import Assessment, Estimate
 from ompl_risk.ranking.attribution import Attribution
 
 if TYPE_CHECKING:
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 def as_dict(ranking: Ranking, segments: int) -> dict[str, Any]:
     """Plain data; see `Ranking.to_dict`."""
-    pc = ranking.pc_agreement
+    pc, probability = ranking.pc_agreement, ranking.probability_agreement
     return {
         "units": {"duration": "s", "length": "m", "clearance": "m", "time": "s", "position": "m"}
         | {"norms": {norm.label: norm_unit(norm) for norm in ranking.norms}},
@@ -32,9 +32,11 @@ def as_dict(ranking: Ranking, segments: int) -> dict[str, Any]:
         "trajectories": [_assessment(a, segments) for a in ranking.assessments],
         "orders": {label: list(order) for label, order in ranking.orders.items()},
         "pc_orders": {label: list(order) for label, order in ranking.pc_orders.items()},
+        "probability_order": list(ranking.probability_order),
         "pareto": {label: list(ranking.pareto(label)) for label in ranking.labels},
         "agreement": _agreement(ranking.agreement),
         "pc_agreement": None if pc is None else _agreement(pc),
+        "probability_agreement": None if probability is None else _agreement(probability),
     }
 
 
@@ -65,6 +67,7 @@ def as_frame(ranking: Ranking) -> pd.DataFrame:
             "collides": a.collides,
             **a.norms,
             **{f"PC {label}": value for label, value in a.pc_norms.items()},
+            **(_estimate(a.estimate) or {}),
         }
         for a in ranking.assessments
     ]
@@ -99,10 +102,21 @@ def _assessment(a: Assessment, segments: int) -> dict[str, Any]:
         "collision_position": _point(a.collision_position),
         "norms": {label: number(value) for label, value in a.norms.items()},
         "pc_norms": {label: number(value) for label, value in a.pc_norms.items()},
+        "probability": _estimate(a.estimate),
         "attribution": {
             label: None if part is None else _attribution(part, segments)
             for label, part in a.attribution.items()
         },
+    }
+
+
+def _estimate(estimate: Estimate | None) -> dict[str, float] | None:
+    if estimate is None:
+        return None
+    return {
+        "probability": float(estimate.probability),
+        "probability_low": float(estimate.low),
+        "probability_high": float(estimate.high),
     }
 
 

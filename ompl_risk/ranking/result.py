@@ -136,8 +136,33 @@ class Ranking:
 
     @property
     def has_probability(self) -> bool:
-        """Whether a probability of collision was given."""
+        """Whether a probability of collision along the trajectories was given."""
         return bool(self.assessments[0].pc_norms)
+
+    @property
+    def has_estimates(self) -> bool:
+        """Whether a probability of collision of the whole trajectories was given."""
+        return self.assessments[0].estimate is not None
+
+    @cached_property
+    def probability_order(self) -> tuple[str, ...]:
+        """Names by the probability that the whole trajectory ends in collision, least first.
+
+        Empty if none was given. Its estimates may be too close to tell apart: see their intervals.
+        """
+        if not self.has_estimates:
+            return ()
+        return self._order(self._probabilities)
+
+    @cached_property
+    def probability_agreement(self) -> Agreement | None:
+        """Kendall's tau-b between the norms (rows) and that probability (one column)."""
+        if not self.has_estimates:
+            return None
+        return agreement(
+            {label: [a.norms[label] for a in self.assessments] for label in self.labels},
+            {"probability": self._probabilities},
+        )
 
     @property
     def fastest(self) -> Assessment:
@@ -187,6 +212,12 @@ class Ranking:
 
     def __rich__(self) -> RenderableType:
         return tables.render(self)
+
+    @property
+    def _probabilities(self) -> list[float]:
+        return [
+            math.nan if a.estimate is None else a.estimate.probability for a in self.assessments
+        ]
 
     def _known(self, label: str) -> str:
         if label not in self.labels:

@@ -15,15 +15,17 @@ from ompl_risk.avoidance import Avoidance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.trajectory import Trajectory
 
-Clearance = Callable[[FloatArray], ArrayLike]
+Clearance = Callable[..., ArrayLike]
 """points [m], shape (n, 3), to signed distances [m], shape (n,); if the attribute
-`uses_orientation` is true, poses (n, 7): x, y, z, qx, qy, qz, qw."""
+`uses_orientation` is true, poses (n, 7): x, y, z, qx, qy, qz, qw; if `moves` is true, the times
+[s], shape (n,), follow as a second argument."""
 
 RELATIVE_STEP = 0.1
 """Longest step near obstacles, as a part of the distance to them."""
 FLOOR = 1e-3
 """Distances below this part of d0 refine the steps no further."""
 _MAX_ROUNDS = 30
+_MAX_PARTS = 8
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +51,8 @@ def sample(
     No step is longer than max_step, nor, where d < d0, than a tenth of d at its ends (of
     d0 / 1000 if d is less): f = 1/d changes on the scale of d. Where d crosses d0, f has a kink:
     that step is at most d0 / 1000. As d changes at most by the length moved, d is then positive
-    between samples at which it is more than d0 / 10,000.
+    between samples at which it is more than d0 / 10,000. Where obstacles move, a step is as long as
+    the vehicle moves against any obstacle that may come within d0 in that time.
 
     Args:
         trajectory: the trajectory.
@@ -66,7 +69,7 @@ def sample(
     trajectory = trajectory.densify(max_step)
     d = distances(clearance, trajectory)
     for _ in range(_MAX_ROUNDS):
-        parts = _parts(_steps(trajectory.positions), d, avoidance.d0)
+        parts = _parts_of(trajectory, clearance, d, avoidance.d0, max_step)
         if (parts == 1).all():
             break
         trajectory = trajectory.subdivide(parts)
@@ -101,7 +104,8 @@ def distances(
     """
     by_pose = getattr(clearance, "uses_orientation", False)
     points = np.ascontiguousarray((trajectory.poses if by_pose else trajectory.positions)[chosen])
-    d = as_floats("clearance(points)", clearance(points))
+    when = (trajectory.t[chosen],) if getattr(clearance, "moves", False) else ()
+    d = as_floats("clearance(points)", clearance(points, *when))
     if d.shape != (len(points),):
         raise ArgumentError(
             "clearance(points).shape", d.shape, f"({len(points)},), a distance for each point"
@@ -127,6 +131,23 @@ def _steps(positions: FloatArray) -> FloatArray:
     squares = np.diff(positions, axis=0)
     squares *= squares
     return np.sqrt(squares[:, 0] + squares[:, 1] + squares[:, 2])
+
+
+def _parts_of(
+    trajectory: Trajectory, clearance: Any, d: FloatArray, d0: float, max_step: float
+) -> NDArray[np.int64]:
+    """Into how many parts each step of a trajectory is to be divided, whole numbers."""
+    if not getattr(clearance, "moves", False):
+        return _parts(_steps(trajectory.positions), d, d0)
+    t, x = trajectory.t, trajectory.positions
+    steps = clearance.travels(x[:-1], t[:-1], x[1:], t[1:], far=d0)
+    # What is beyond d0 at both ends may have been so until just before it came near: d0 is all that
+    # is known. Steps are rounded more than positions, by the rounding of times. A long wait may be
+    # near an obstacle for a moment, so it is not divided into many equal parts at once.
+    steps *= 1.0 - 1e-9
+    longest = np.ceil(steps / max_step).astype(np.int64)
+    parts = np.maximum(_parts(steps, np.minimum(d, d0), d0), longest)
+    return np.minimum(parts, _MAX_PARTS)
 
 
 def _parts(steps: FloatArray, d: FloatArray, d0: float) -> NDArray[np.int64]:

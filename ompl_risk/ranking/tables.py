@@ -14,7 +14,7 @@ from ompl_risk.ranking.agreement import Agreement
 from ompl_risk.ranking.export import norm_unit
 
 if TYPE_CHECKING:
-    from ompl_risk.ranking.assessment import Assessment
+    from ompl_risk.ranking.assessment import Assessment, Estimate
     from ompl_risk.ranking.result import Ranking
 
 SAFEST = "bold green"
@@ -30,6 +30,8 @@ def render(ranking: Ranking) -> RenderableType:
     if ranking.has_probability:
         title = "Norms of the probability of collision (* safest)"
         parts.append(norm_table(ranking, title, ranking.pc_orders, of_probability=True))
+    if ranking.has_estimates:
+        parts.append(probability_table(ranking))
     parts.append(order_table(ranking))
     if len(ranking.assessments) > 1:
         parts.append(agreement_table(ranking.agreement, "Kendall tau-b between norms"))
@@ -39,6 +41,9 @@ def render(ranking: Ranking) -> RenderableType:
                     ranking.pc_agreement, "Kendall tau-b: norms (rows), probability (columns)"
                 )
             )
+        if ranking.probability_agreement is not None:
+            title = "Kendall tau-b: norms (rows), probability of a collision"
+            parts.append(agreement_table(ranking.probability_agreement, title))
     parts.append(attributions(ranking))
     if not ranking.durations_comparable:
         parts.append(duration_note(ranking))
@@ -73,6 +78,32 @@ def norm_table(
     return table
 
 
+def probability_table(ranking: Ranking) -> Table:
+    """The probability that the whole trajectory ends in collision, and how sure that is."""
+    table = Table(title="Probability of a collision (* least)", title_justify="left")
+    table.add_column("trajectory")
+    for heading in ("estimate", "at least", "at most"):
+        table.add_column(heading, justify="right")
+    table.add_column("")
+    least = ranking.probability_order[0]
+    for a in ranking.assessments:
+        if a.estimate is None:
+            continue
+        star, style = ("* ", SAFEST) if a.name == least else ("", "")
+        bounds = (f"{p:.3g}" for p in (a.estimate.low, a.estimate.high))
+        # a bare 0 would say more than was found
+        estimate = f"{a.estimate.probability:.3g}" if a.estimate.probability > 0.0 else "none seen"
+        counts = _counts(a.estimate)
+        table.add_row(Text(a.name), Text(f"{star}{estimate}", style=style), *bounds, Text(counts))
+    return table
+
+
+def _counts(estimate: Estimate) -> str:
+    """Hits and rollouts, where the estimate has them."""
+    hits, rollouts = getattr(estimate, "hits", None), getattr(estimate, "rollouts", None)
+    return "" if hits is None or rollouts is None else f"{hits:,} of {rollouts:,} rollouts"
+
+
 def order_table(ranking: Ranking) -> Table:
     """The order of the trajectories by each norm."""
     table = Table(title="From safest to riskiest", title_justify="left")
@@ -82,6 +113,8 @@ def order_table(ranking: Ranking) -> Table:
         table.add_row(Text(label), Text("  ".join(order)))
     for label, order in ranking.pc_orders.items():
         table.add_row(Text(f"P_c {label}"), Text("  ".join(order)))
+    if ranking.has_estimates:
+        table.add_row(Text("probability"), Text("  ".join(ranking.probability_order)))
     return table
 
 

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import chain as curvatures
+from ompl_risk._kernels import integrand
 from ompl_risk._kernels import refine as kernels
-from ompl_risk.avoidance import Avoidance, InverseDistance
+from ompl_risk.avoidance import Avoidance
+from ompl_risk.avoidance.compiled import compiled_form
 from ompl_risk.planners.improve.fields import Field
 
 LOWEST = 0.02
@@ -96,7 +98,7 @@ class Chain:
     Args:
         surroundings: see there.
         exponent: p.
-        scale: of f [1/m].
+        scale: of f, in its unit.
         weight: cost of a second.
         counts: pieces of each leg, shape (n - 1,).
         durations: of the legs as they are at first [s], shape (n - 1,).
@@ -118,6 +120,7 @@ class Chain:
         shares = np.repeat(0.5 * each, counts)
         self._shares = np.concatenate([shares, [0.0]]) + np.concatenate([[0.0], shares])
         self._buffer = BUFFER * surroundings.avoidance.d0
+        self._form = compiled_form(surroundings.avoidance)
 
     def at(self, corners: FloatArray) -> Point:
         """The cost of a path and its derivatives."""
@@ -175,8 +178,8 @@ class Chain:
         avoidance, scale = self._around.avoidance, self._scale
         low = LOWEST * avoidance.d0
         f, slope, bend = np.empty(len(d)), np.empty(len(d)), np.empty(len(d))
-        if type(avoidance) is InverseDistance:
-            kernels.inverse_distances(d, avoidance.d0, low, scale, f, slope, bend)
+        if self._form is not None:
+            integrand.tangents(d, self._form, low, scale, f, slope, bend)
             return f, slope, bend
         at, h = np.maximum(d, low), 1e-4 * avoidance.d0
         slope = avoidance.derivative(at) / scale

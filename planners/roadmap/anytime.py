@@ -6,7 +6,7 @@ import math
 import time
 from collections import deque
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -50,6 +50,14 @@ class Progress(NamedTuple):
     vertices: int
     edges: int
     evaluated: int
+
+
+def satisfied_by(objective: Any) -> Callable[[float], bool]:
+    """Whether a cost is below the threshold of an objective of OMPL."""
+    if objective is None:
+        return lambda _cost: False
+    threshold = objective.getCostThreshold().value()
+    return lambda cost: cost < threshold
 
 
 class Growing:

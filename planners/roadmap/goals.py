@@ -6,9 +6,11 @@ import time
 from collections.abc import Callable
 from typing import Any
 
+import numpy as np
 from ompl import base as ob
 
 from ompl_risk._arrays import FloatArray
+from ompl_risk.planners.roadmap.roadmap import Roadmap
 
 FIRST = 16
 """States taken before planning starts."""
@@ -33,7 +35,7 @@ class GoalSource:
     """
 
     def __init__(self, problem: Any, inputs: Any, numbers: Callable[[Any], FloatArray]) -> None:
-        self._goal, self._inputs, self._numbers = problem.getGoal(), inputs, numbers
+        self._goal, self.inputs, self._numbers = problem.getGoal(), inputs, numbers
         self._last = time.monotonic()
 
     @property
@@ -66,7 +68,7 @@ class GoalSource:
         if not self._has_states:
             return []
         found = self._next(MOST if isinstance(self._goal, ob.GoalStates) else FIRST)
-        while not found and self._inputs.haveMoreGoalStates() and not until():
+        while not found and self.inputs.haveMoreGoalStates() and not until():
             found = self._next(1)
         return found
 
@@ -75,15 +77,53 @@ class GoalSource:
         if not self._has_states or time.monotonic() < self._last + PAUSE:
             return []
         self._last = time.monotonic()
-        return self._next(LATER) if self._inputs.getSampledGoalsCount() < MOST else []
+        return self._next(LATER) if self.inputs.getSampledGoalsCount() < MOST else []
 
     def _next(self, most: int) -> list[FloatArray]:
         """At most so many states, from as many attempts: some may not be free."""
         found: list[FloatArray] = []
         for _ in range(most):
-            if not self._inputs.haveMoreGoalStates():
+            if not self.inputs.haveMoreGoalStates():
                 break
-            state = self._inputs.nextGoal()
+            state = self.inputs.nextGoal()
             if state is not None:
                 found.append(self._numbers(state))
         return found
+
+
+class Ends:
+    """New starts and goals of a problem, on their way into a roadmap."""
+
+    def __init__(self) -> None:
+        self._starts: list[FloatArray] = []
+        self._goals: list[FloatArray] = []
+
+    def add_to(
+        self,
+        roadmap: Roadmap,
+        goals: GoalSource,
+        row: Callable[[Any], FloatArray],
+        until: Callable[[], bool],
+    ) -> tuple[Any, str] | None:
+        """Take in starts and goals; the status to return if there is none, and why.
+
+        Args:
+            roadmap: what they are added to.
+            goals: of the problem.
+            row: reads a state.
+            until: whether to give up, while a region has given no goal that is free.
+        """
+        while (state := goals.inputs.nextStart()) is not None:
+            self._starts.append(row(state))
+        self._goals += goals.first(until)
+        # Kept until they have been taken in: a clearance may raise, and OMPL gives each only once.
+        if self._starts:
+            roadmap.add_starts(np.array(self._starts))
+            self._starts = []
+        if self._goals:
+            roadmap.add_goals(np.array(self._goals))
+            self._goals = []
+        if not roadmap.starts:
+            reason = "no start state that is within the bounds and free"
+            return ob.PlannerStatus.INVALID_START, reason
+        return None if roadmap.goals else (goals.status, goals.reason)

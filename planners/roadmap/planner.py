@@ -3,34 +3,33 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import Any
 
-import numpy as np
 from ompl import base as ob
 
-from ompl_risk._arrays import FloatArray
 from ompl_risk.bridge.conditions import after
-from ompl_risk.clearance import TerrainClearance
+from ompl_risk.bridge.timed import is_timed
 from ompl_risk.clearance.threads import thread_count
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion.kinodynamic import KinodynamicSteering
 from ompl_risk.motion.steering import Steering
-from ompl_risk.planners.roadmap.anytime import Growing, Polish, Progress
+from ompl_risk.planners.roadmap.anytime import Growing, Polish, Progress, satisfied_by
 from ompl_risk.planners.roadmap.exploring import (
     Front,
     alternative_routes,
     pareto_routes,
 )
-from ompl_risk.planners.roadmap.goals import GoalSource
+from ompl_risk.planners.roadmap.goals import Ends, GoalSource
 from ompl_risk.planners.roadmap.publisher import Publisher
 from ompl_risk.planners.roadmap.roadmap import Roadmap, Route
-from ompl_risk.planners.roadmap.setting import CheckerGate, Setting, read_setting
+from ompl_risk.planners.roadmap.setting import CheckerGate, Setting
 from ompl_risk.planners.roadmap.translation import Translation
-from ompl_risk.planners.roadmap.vehicle_setting import read_vehicle_setting
+from ompl_risk.planners.roadmap.vehicle_setting import setting_of
 from ompl_risk.planners.roadmap.warming import warm_up, warm_up_vehicle
 from ompl_risk.planners.roadmap.worker import Worker
-from ompl_risk.planners.sides import Sides
+from ompl_risk.planners.spacetime.planning import SpaceTimePlanning
+from ompl_risk.trajectory import Trajectory
 
 
 class RiskRoadmap(ob.Planner):
@@ -48,6 +47,10 @@ class RiskRoadmap(ob.Planner):
     300 ms after the condition holds. Connections keep as much farther from obstacles and from the
     sides of the box as a flight may be beside them, half a metre for the helicopter.
 
+    Over ``ob.SpaceTimeStateSpace``, with a ``ClearanceValidityChecker`` of a ``MovingClearance``
+    and no objective, it plans the earliest arrival among moving obstacles; see its
+    ``SpaceTimePlanning``.
+
     With other clearances than a ``TerrainClearance``, and with a validity checker or motion
     validator that is not this library's, Python runs for states and motions, batched, and some
     hundred times slower; ``compiled`` says whether it does. It then stops once the portion at hand
@@ -62,6 +65,7 @@ class RiskRoadmap(ob.Planner):
         iterations: places to sample in a call of ``solve``; no limit if left out. Runs with the
             same limit and seed, and enough time, give the same path.
         threads: of compiled code; ``None`` uses all processors.
+        can_wait: among moving obstacles, whether the vehicle can hover.
 
     Raises:
         ArgumentError: a seed, or a number of iterations or threads, out of range.
@@ -71,6 +75,7 @@ class RiskRoadmap(ob.Planner):
         reason: why there is no path, in words.
 
     Example:
+        >>> import numpy as np
         >>> from ompl import geometric as og
         >>> from ompl_risk import RiskObjective, TerrainClearance, terrains
         >>> space = ob.RealVectorStateSpace(3)
@@ -90,6 +95,7 @@ class RiskRoadmap(ob.Planner):
         steering: Steering | KinodynamicSteering | None = None,
         iterations: int | None = None,
         threads: int | None = None,
+        can_wait: bool = True,
     ) -> None:
         super().__init__(si, "RiskRoadmap")
         if not isinstance(seed, int) or isinstance(seed, bool) or seed < 0:
@@ -99,13 +105,17 @@ class RiskRoadmap(ob.Planner):
         thread_count(threads)
         self._seed, self._steering, self._threads = seed, steering, threads
         self._iterations = iterations
+        self._timed: SpaceTimePlanning | None = None
+        if is_timed(si.getStateSpace()):
+            self._timed = SpaceTimePlanning(
+                si, seed=seed, steering=steering, can_wait=can_wait, threads=threads
+            )
         self._setting: Setting | None = None
         self._roadmap: Roadmap | None = None
         self._worker: Worker | None = None
         self._seconds = 0.0
         self._publisher: Publisher | None = None
-        self._new_starts: list[FloatArray] = []
-        self._new_goals: list[FloatArray] = []
+        self._ends = Ends()
         self.history: list[Progress] = []
         self.reason = ""
 
@@ -123,7 +133,9 @@ class RiskRoadmap(ob.Planner):
     def setup(self) -> None:
         """Read the problem and compile, so that ``solve`` spends its time on planning."""
         super().setup()
-        if self.getProblemDefinition() is not None:
+        if self._timed is not None:
+            self._timed.warm_up()
+        elif self.getProblemDefinition() is not None:
             roadmap = self._opened()
             warm_up(roadmap.risk.norm)
             if isinstance(self._steering, KinodynamicSteering) and not roadmap.n:
@@ -134,8 +146,9 @@ class RiskRoadmap(ob.Planner):
         super().clear()
         self._leave()
         self._roadmap, self._setting, self._seconds = None, None, 0.0
-        self._publisher = None
-        self._new_starts, self._new_goals = [], []
+        self._publisher, self._ends = None, Ends()
+        if self._timed is not None:
+            self._timed.clear()
         self.history, self.reason = [], ""
 
     def clearQuery(self) -> None:
@@ -162,17 +175,20 @@ class RiskRoadmap(ob.Planner):
                 return self._status()
             self._worker = None
         self.checkValidity()
+        if self._timed is not None:
+            return self._solve_timed(self._timed, condition)
         roadmap = self._opened()
         goals = GoalSource(
             self.getProblemDefinition(), self.getPlannerInputStates(), self._translation.row
         )
-        wrong = self._read_ends(roadmap, goals, condition)
+        wrong = self._ends.add_to(roadmap, goals, self._translation.row, condition)
         if wrong is not None:
-            return ob.PlannerStatus(wrong)
+            status, self.reason = wrong
+            return ob.PlannerStatus(status)
         work = Growing(
             roadmap,
             polish=self._polish(),
-            enough=self._satisfied(),
+            enough=satisfied_by(self.getProblemDefinition().getOptimizationObjective()),
             seconds=self._seconds,
             samples=self._iterations,
             history=self.history,
@@ -192,6 +208,25 @@ class RiskRoadmap(ob.Planner):
         finally:
             self._conclude(roadmap, work)
         return self._status()
+
+    def _solve_timed(self, timed: SpaceTimePlanning, condition: Any) -> ob.PlannerStatus:
+        """Plan the earliest arrival in space-time."""
+        problem, inputs = self.getProblemDefinition(), self.getPlannerInputStates()
+        try:
+            return timed.solve(problem, inputs, condition, self._iterations)
+        finally:
+            self.history, self.reason = timed.history, timed.reason
+
+    def trajectory(self, name: str = "") -> Trajectory:
+        """The solution among moving obstacles, with its times.
+
+        Raises:
+            ArgumentError: not over space-time, or without a solution.
+        """
+        route = None if self._timed is None else self._timed.route
+        if route is None:
+            raise ArgumentError("planner", "RiskRoadmap", "solved with over space-time before")
+        return route.trajectory(name)
 
     def _status(self) -> ob.PlannerStatus:
         found = self._roadmap is not None and self._roadmap.best is not None
@@ -220,8 +255,9 @@ class RiskRoadmap(ob.Planner):
         Raises:
             ArgumentError: before ``solve``, or a number out of range.
         """
+        sides = None if self._setting is None else self._setting.sides()
         return alternative_routes(
-            self._planned(), count, excess=excess, min_distance=min_distance, sides=self._sides()
+            self._planned(), count, excess=excess, min_distance=min_distance, sides=sides
         )
 
     def pareto(self, *, longest: float = math.inf, precision: float = 0.0) -> Front:
@@ -237,13 +273,6 @@ class RiskRoadmap(ob.Planner):
         if roadmap is None or not roadmap.starts:
             raise ArgumentError("planner", "RiskRoadmap without a roadmap", "solved with before")
         return roadmap
-
-    def _sides(self) -> Sides | None:
-        setting = self._setting
-        if setting is None or not isinstance(setting.obstacles, TerrainClearance):
-            return None
-        terrain, region = setting.obstacles.terrain, setting.region
-        return Sides.of_terrain(terrain, region.low, region.high, radius=setting.obstacles.radius)
 
     def path(self, route: Route) -> Any:
         """A route, as of ``alternatives`` or ``pareto``, as a path of OMPL.
@@ -281,7 +310,9 @@ class RiskRoadmap(ob.Planner):
         if self._roadmap is None:
             si: Any = self.getSpaceInformation()
             objective: Any = self.getProblemDefinition().getOptimizationObjective()
-            self._setting = setting = self._read_setting(si, objective)
+            self._setting = setting = setting_of(
+                si, objective, seed=self._seed, steering=self._steering, threads=self._threads
+            )
             self._roadmap = Roadmap(
                 setting.region,
                 setting.motions,
@@ -292,49 +323,12 @@ class RiskRoadmap(ob.Planner):
             )
         return self._roadmap
 
-    def _read_setting(self, si: Any, objective: Any) -> Setting:
-        seed, steering, threads = self._seed, self._steering, self._threads
-        if isinstance(steering, KinodynamicSteering):
-            return read_vehicle_setting(
-                si, objective, seed=seed, steering=steering, threads=threads
-            )
-        return read_setting(si, objective, seed=seed, steering=steering, threads=threads)
-
-    def _read_ends(self, roadmap: Roadmap, goals: GoalSource, until: Callable[[], bool]) -> Any:
-        """Take in starts and goals; the status to return if there is none, and say why."""
-        inputs = self.getPlannerInputStates()
-        while (state := inputs.nextStart()) is not None:
-            self._new_starts.append(self._translation.row(state))
-        self._new_goals += goals.first(until)
-        # Kept until they have been taken in: a clearance may raise, and OMPL gives each only once.
-        if self._new_starts:
-            roadmap.add_starts(np.array(self._new_starts))
-            self._new_starts = []
-        if self._new_goals:
-            roadmap.add_goals(np.array(self._new_goals))
-            self._new_goals = []
-        if not roadmap.starts:
-            self.reason = "no start state that is within the bounds and free"
-            return ob.PlannerStatus.INVALID_START
-        if not roadmap.goals:
-            self.reason = goals.reason
-            return goals.status
-        return None
-
     def _polish(self) -> Polish | None:
         if self._setting is None:
             return None
         if self._iterations is not None:  # no clock may have a say in the result
             return self._setting.polish(math.inf)
         return self._setting.polish()
-
-    def _satisfied(self) -> Callable[[float], bool]:
-        """Whether a cost is below the objective's threshold."""
-        objective: Any = self.getProblemDefinition().getOptimizationObjective()
-        if objective is None:
-            return lambda _cost: False
-        threshold = objective.getCostThreshold().value()
-        return lambda cost: cost < threshold
 
     def _leave(self) -> None:
         """Wait for work that a condition left behind: it still writes to the roadmap."""

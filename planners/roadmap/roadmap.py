@@ -329,7 +329,7 @@ class Roadmap:
 
     @property
     def _tie_break(self) -> float:
-        return 1e-12 * self.risk.avoidance.d0**-self.risk.exponent
+        return 1e-12 * self.risk.avoidance.typical**self.risk.exponent
 
     def graph(self) -> Graph:
         """The edges that have been evaluated."""

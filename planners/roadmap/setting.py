@@ -25,6 +25,7 @@ from ompl_risk.planners.roadmap.anytime import Polish
 from ompl_risk.planners.roadmap.gate import ClearanceGate, Flags, Gate, all_of
 from ompl_risk.planners.roadmap.region import Region
 from ompl_risk.planners.roadmap.translation import GeometricTranslation, Translation
+from ompl_risk.planners.sides import Sides
 
 LENGTH = Risk(norm=Lp(1), speed=1.0, duration_weight=1.0)
 """How the length of a path is counted: no risk, and a second for every metre."""
@@ -97,6 +98,13 @@ class Setting:
             ).positions
 
         return polish
+
+    def sides(self) -> Sides | None:
+        """The peaks that no path can cross; None where the obstacles are not terrain."""
+        if not isinstance(self.obstacles, TerrainClearance):
+            return None
+        low, high = self.region.low, self.region.high
+        return Sides.of_terrain(self.obstacles.terrain, low, high, radius=self.obstacles.radius)
 
 
 def read_setting(

@@ -16,11 +16,19 @@ from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.validity import HelicopterValidityChecker
 from ompl_risk.motion import Risk
 from ompl_risk.motion.kinodynamic import KinodynamicSteering
+from ompl_risk.motion.steering import Steering
 from ompl_risk.norms import Lp
 from ompl_risk.planners.problem import narrowed
 from ompl_risk.planners.roadmap.gate import BoxGate, ClearanceGate, Gate, all_of
 from ompl_risk.planners.roadmap.region import VertexRegion
-from ompl_risk.planners.roadmap.setting import Setting, bounds_of, counted, distinct, obstacles_of
+from ompl_risk.planners.roadmap.setting import (
+    Setting,
+    bounds_of,
+    counted,
+    distinct,
+    obstacles_of,
+    read_setting,
+)
 from ompl_risk.planners.roadmap.translation import VertexTranslation
 
 SAME = 1e-7
@@ -28,6 +36,31 @@ SAME = 1e-7
 
 FREE = InverseDistance(2e-3)
 """Finds hardly anything risky but collisions: for plans that heed time alone."""
+
+
+def setting_of(
+    si: ob.SpaceInformation,
+    objective: Any,
+    *,
+    seed: int,
+    steering: Steering | KinodynamicSteering | None,
+    threads: int | None = None,
+) -> Setting:
+    """Read a problem, of a vehicle with dynamics if the steering is of one.
+
+    Args:
+        si: see ``read_setting`` and ``read_vehicle_setting``.
+        objective: likewise.
+        seed: of the samples.
+        steering: how states are connected; straight if left out.
+        threads: of compiled code, at most.
+
+    Raises:
+        ArgumentError: what cannot be planned.
+    """
+    if isinstance(steering, KinodynamicSteering):
+        return read_vehicle_setting(si, objective, seed=seed, steering=steering, threads=threads)
+    return read_setting(si, objective, seed=seed, steering=steering, threads=threads)
 
 
 def read_vehicle_setting(

@@ -13,9 +13,9 @@ from ompl import control as oc
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import rigid_body
-from ompl_risk._kernels.branch import Vehicle
+from ompl_risk._kernels.branch import DT, HOLD, SETTINGS, Vehicle
 from ompl_risk._kernels.flight_checks import HIGH, LOW
-from ompl_risk.avoidance import InverseDistance
+from ompl_risk.avoidance.compiled import compiled_form, is_compiled
 from ompl_risk.bridge import RiskObjective
 from ompl_risk.bridge.buffers import Buffer
 from ompl_risk.clearance import TerrainClearance
@@ -27,9 +27,9 @@ from ompl_risk.helicopter.validity import HelicopterValidityChecker
 from ompl_risk.motion import Risk
 
 OBJECTIVES = (
-    "a RiskObjective with Lp(p), p < inf, or Sobolev(1), an InverseDistance, and the clearance of "
-    "the validity checker; or none, or ob.PathLengthOptimizationObjective, for the least duration: "
-    "that is what OMPL calls the length of a PathControl"
+    "a RiskObjective with Lp(p), p < inf, or Sobolev(1), an avoidance function of this library and "
+    "the clearance of the validity checker; or none, or ob.PathLengthOptimizationObjective, for "
+    "the least duration: that is what OMPL calls the length of a PathControl"
 )
 
 CHECKERS = "a HelicopterValidityChecker over a TerrainClearance: compiled code cannot ask others"
@@ -70,12 +70,12 @@ class Problem:
     @property
     def step(self) -> float:
         """Time step [s]."""
-        return float(self.vehicle.settings[0])
+        return float(self.vehicle.settings[DT])
 
     @property
     def hold(self) -> int:
         """Steps for which an input is held at least."""
-        return int(self.vehicle.settings[1])
+        return int(self.vehicle.settings[HOLD])
 
     def cost(self, states: FloatArray) -> float:
         """Cost of a flight from its states alone.
@@ -159,7 +159,7 @@ def _counted(objective: Any, clearance: TerrainClearance) -> Risk | None:
     risk, counted = objective.risk, objective.clearance
     if math.isinf(risk.exponent):
         raise ArgumentError("objective", f"a RiskObjective with {risk.norm.label}", OBJECTIVES)
-    if type(risk.avoidance) is not InverseDistance:
+    if not is_compiled(risk.avoidance):
         kind = type(risk.avoidance).__name__
         raise ArgumentError("objective", f"a RiskObjective with {kind}", OBJECTIVES)
     if not (
@@ -211,9 +211,10 @@ def _goal(goal: HelicopterGoal, clearance: TerrainClearance) -> FloatArray:
 
 
 def _settings(dt: float, hold: int, risk: Risk | None) -> FloatArray:
-    if risk is None:
-        return np.array([dt, hold, 0.0, 1.0, 0.0, 1.0])
-    return np.array([dt, hold, risk.avoidance.d0, risk.exponent, risk.time_scale, risk.weight])
+    counted = [1.0, 0.0, 1.0] if risk is None else [risk.exponent, risk.time_scale, risk.weight]
+    form = None if risk is None else compiled_form(risk.avoidance)
+    nothing = np.zeros(SETTINGS - 2 - len(counted))
+    return np.array([*(nothing if form is None else form), dt, hold, *counted])
 
 
 def _check_motion(si: Any, helicopter: Helicopter, vehicle: Vehicle, hover: FloatArray) -> None:
@@ -232,7 +233,7 @@ def _check_motion(si: Any, helicopter: Helicopter, vehicle: Vehicle, hover: Floa
     space.serialize(after.capsule, end)
     wanted = np.empty(STATE)
     rigid_body.hold(
-        state.numbers, control.numbers, vehicle.settings[0], 3, helicopter.given, wanted
+        state.numbers, control.numbers, vehicle.settings[DT], 3, helicopter.given, wanted
     )
     if not np.allclose(after.numbers, wanted, rtol=SAME, atol=SAME):
         allowed = "the one of the propagator: after three steps the states differ"

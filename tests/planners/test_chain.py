@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 
 from ompl_risk._kernels import chain as curvatures
 from ompl_risk._kernels import refine as kernels
-from ompl_risk.avoidance import InverseDistance
+from ompl_risk.avoidance import FlatCap, GaussianTail, InverseDistance
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.norms import Lp, Sobolev
 from ompl_risk.planners.improve.chain import Chain, Surroundings
@@ -79,8 +79,13 @@ class Steep(InverseDistance):
         return super().derivative(d) * 2.0
 
 
+OTHERS = {"another f": Steep(D0), "cap": FlatCap(D0), "tail": GaussianTail(D0 / 4)}
+
+
 @pytest.mark.parametrize("norm", NORMS, ids=lambda norm: norm.label)
-@pytest.mark.parametrize("case", ["plain", "repelled", "own gate", "deep", "uneven", "another f"])
+@pytest.mark.parametrize(
+    "case", ["plain", "repelled", "own gate", "deep", "uneven", "another f", "cap", "tail"]
+)
 def test_the_gradient_is_that_of_central_differences(norm, case):
     field = SampledField(ball, lambda p: (p - BALL) / (ball(p) + 30)[:, None], 1e-4)
     corners, options = arch(), {}
@@ -96,8 +101,8 @@ def test_the_gradient_is_that_of_central_differences(norm, case):
         corners = arch(height=14.0)  # below LOWEST, where f goes on straight
     if case == "uneven":
         options["counts"] = np.array([2, 9, 3, 5, 4, 2, 7, 3])
-    if case == "another f":
-        options["f"] = Steep(D0)
+    if case in OTHERS:
+        options["f"] = OTHERS[case]
     model = chain(field, corners, norm, **options)
     point = model.at(corners)
     numerical = differences(lambda x: model.at(x).cost, corners)

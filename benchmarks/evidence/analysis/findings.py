@@ -1,0 +1,182 @@
+"""What training chose, judged once on the test units."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from benchmarks.evidence.analysis.calibration import Calibration, calibrate
+from benchmarks.evidence.analysis.ceiling import halves, repeated
+from benchmarks.evidence.analysis.fitting import Family, Fit, fit
+from benchmarks.evidence.analysis.metrics import Scores, scores
+from benchmarks.evidence.analysis.settings import (
+    FASTEST,
+    PAPER,
+    ExpectedCollisions,
+    Setting,
+    evaluated,
+)
+from benchmarks.evidence.analysis.statistics import Bootstrap, Interval, mean
+from benchmarks.evidence.analysis.table import Table
+from benchmarks.evidence.analysis.truth import Judgement, closed_loop, paper
+from ompl_risk._arrays import FloatArray
+from ompl_risk.errors import ArgumentError
+
+POINTS = 0.10
+"""By how much the recommended setting should find the safest flight more often."""
+
+
+class Row(NamedTuple):
+    """A setting that is judged on the test units, and why."""
+
+    role: str
+    setting: Setting
+
+
+@dataclass(frozen=True, eq=False)
+class Findings:
+    """Everything that the page is written from.
+
+    Attributes:
+        whole: all units, of both splits.
+        test: the test units.
+        fit: what training chose.
+        rows: settings that are judged, the recommended one first, then the paper's four.
+        values: what they give the test flights, shape (S, U, 5).
+        judge, pc: closed-loop probabilities by level, and the paper's judges.
+        by_judge, by_pc: scores by them, each of shape (S, judges, U).
+        ceiling: scores of one half of the rollouts by the other, and of rollouts drawn again.
+        calibration: predicted probabilities by level; empty if no rate was among the families.
+        draws, by_terrain: bootstrap by unit, and by terrain as a check.
+    """
+
+    whole: Table
+    test: Table
+    fit: Fit
+    rows: tuple[Row, ...]
+    values: FloatArray
+    judge: Judgement
+    pc: Judgement
+    by_judge: Scores
+    by_pc: Scores
+    ceiling: tuple[Scores, Scores]
+    calibration: tuple[Calibration, ...]
+    draws: Bootstrap
+    by_terrain: Bootstrap
+
+    @cached_property
+    def masks(self) -> dict[str, NDArray[np.bool_]]:
+        """Which sets count: the decided ones of all levels and of each, and all sets."""
+        decided = self.judge.decided
+        levels = {
+            name: decided & (np.arange(len(decided)) == k)[:, None]
+            for k, name in enumerate(self.judge.names)
+        }
+        return {"pooled": decided, **levels, "all sets": np.ones_like(decided)}
+
+    @property
+    def paper(self) -> slice:
+        """The rows of the paper's four norms."""
+        return slice(1, 1 + len(PAPER))
+
+    def intervals(self, metric: str, mask: str = "pooled") -> list[Interval]:
+        """The mean of a score for each row, with its interval."""
+        return self.draws.intervals(getattr(self.by_judge, metric), self.masks[mask])
+
+    def pc_intervals(self, metric: str, index: int) -> list[Interval]:
+        """The same by one of the paper's judges."""
+        only = np.arange(len(self.pc.names)) == index
+        return self.draws.intervals(getattr(self.by_pc, metric), self.pc.decided & only[:, None])
+
+    def best_of_paper(self, metric: str) -> int:
+        """The row of the paper's norm of greatest mean score, chosen on the test units."""
+        means = mean(getattr(self.by_judge, metric)[self.paper], self.masks["pooled"])
+        return self.paper.start + int(np.argmax(means))
+
+
+class Comparison(NamedTuple):
+    """The recommended setting less the best of the paper's four, in one score.
+
+    Attributes:
+        metric: name of the score.
+        best: the paper's norm, the best one on the test units.
+        by_unit: paired difference, units drawn with replacement.
+        by_terrain: terrains drawn instead.
+        anew: the best of the four chosen anew in each draw, which is harder still.
+    """
+
+    metric: str
+    best: Setting
+    by_unit: Interval
+    by_terrain: Interval
+    anew: Interval
+
+
+def compare(findings: Findings, metric: str, mask: str = "pooled") -> Comparison:
+    """Compare the recommended setting with the best of the paper's four on the same sets."""
+    found, counted = getattr(findings.by_judge, metric), findings.masks[mask]
+    best = findings.best_of_paper(metric)
+    gain = (found[0] - found[best])[None]
+    four = found[findings.paper]
+    estimate = mean(found[:1], counted) - mean(four, counted).max()
+    draws = findings.draws.means(found[:1], counted)
+    draws = draws - findings.draws.means(four, counted).max(axis=0)
+    return Comparison(
+        metric,
+        findings.rows[best].setting,
+        findings.draws.intervals(gain, counted)[0],
+        findings.by_terrain.intervals(gain, counted)[0],
+        findings.draws.summary(estimate, draws)[0],
+    )
+
+
+def target_reached(safest: Comparison, tau: Comparison) -> bool:
+    """Ten points more sets and a higher tau, both with intervals above zero."""
+    enough = safest.by_unit.mean >= POINTS and safest.by_unit.low > 0.0
+    return enough and tau.by_unit.low > 0.0
+
+
+def analyse(whole: Table, families: Sequence[Family]) -> Findings:
+    """Fit on the training units, then judge what was chosen on the test units, once.
+
+    Raises:
+        ArgumentError: no test unit, or as `fit`.
+    """
+    training, test = whole.part("train"), whole.part("test")
+    if not len(test):
+        raise ArgumentError("whole", str(whole.path), "a table with complete test units")
+    found = fit(training, families)
+    rates = [s for f in families for s in f.settings if isinstance(s, ExpectedCollisions)]
+    rows = _rows(found)
+    values = evaluated([row.setting for row in rows], test.profiles)
+    judge, pc = closed_loop(test), paper(test)
+    return Findings(
+        whole,
+        test,
+        found,
+        rows,
+        values,
+        judge,
+        pc,
+        scores(values[:, None], judge.values),
+        scores(values[:, None], pc.values),
+        (halves(test), repeated(test)),
+        calibrate(training, test, rates) if rates else (),
+        Bootstrap.of(test.units),
+        Bootstrap.of(test.places),
+    )
+
+
+def _rows(found: Fit) -> tuple[Row, ...]:
+    rows = [Row("recommended", found.recommended)]
+    rows += [Row("paper", setting) for setting in PAPER]
+    rows += [
+        Row(family.name, setting)
+        for family, setting in zip(found.families, found.choices, strict=True)
+    ]
+    return (*rows, Row("fastest flight, risk unseen", FASTEST))

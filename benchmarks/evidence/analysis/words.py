@@ -1,0 +1,172 @@
+"""The findings in sentences, which follow the numbers whichever way they fall."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from benchmarks.evidence.analysis.findings import (
+    POINTS,
+    Comparison,
+    Findings,
+    compare,
+    target_reached,
+)
+from benchmarks.evidence.analysis.settings import FAR
+from benchmarks.evidence.analysis.statistics import Interval, mean
+from benchmarks.evidence.analysis.strata import MEASURES, THIRDS, strata
+from benchmarks.evidence.analysis.tables import difference, number, probability, share
+
+HALVES, AGAIN = 0, 1
+
+
+def answer(findings: Findings) -> Iterator[str]:
+    """What was found, a paragraph each."""
+    if not findings.judge.decided.any():
+        yield (
+            "No test set is decided: the judge cannot tell the flights of any set apart, so there "
+            "is nothing to find."
+        )
+        return
+    safest, tau = compare(findings, "safest"), compare(findings, "tau")
+    yield _headline(findings, safest, tau)
+    yield _target(safest, tau)
+    if not target_reached(safest, tau):
+        yield _room(findings, safest)
+    yield _h1(findings)
+    yield _pc(findings)
+    yield _where(findings)
+    yield _challengers(findings)
+
+
+def _headline(findings: Findings, safest: Comparison, tau: Comparison) -> str:
+    best = [row.setting for row in findings.rows].index(safest.best)
+    found, taus = findings.intervals("safest"), findings.intervals("tau")
+    regret = findings.intervals("regret")
+    ordered = [row.setting for row in findings.rows].index(tau.best)
+    return (
+        f"**{findings.rows[0].setting.label}**, chosen on training alone, finds the safest of five "
+        f"flights in {share(found[0])} of {int(findings.masks['pooled'].sum())} decided test sets; "
+        f"the best of the paper's four there, {safest.best.label}, in {share(found[best])}. Its "
+        f"mean Kendall tau is {number(taus[0])}, against {number(taus[ordered])} of "
+        f"{tau.best.label}. The flight that it picks collides more often than the safest one by "
+        f"{probability(regret[0])}, that of {safest.best.label} by {probability(regret[best])}."
+    )
+
+
+def _target(safest: Comparison, tau: Comparison) -> str:
+    reached = target_reached(safest, tau)
+    return (
+        f"The target was {100 * POINTS:.0f} points more sets and a higher tau, both with 95 % "
+        f"intervals that exclude zero. It is **{'reached' if reached else 'not reached'}**: the "
+        f"paired differences are {difference('safest', safest.by_unit)} and "
+        f"{difference('tau', tau.by_unit)}. With the best of the four chosen anew in each draw "
+        f"they are {difference('safest', safest.anew)} and {difference('tau', tau.anew)}, "
+        f"and with whole terrains drawn {difference('safest', safest.by_terrain)} and "
+        f"{difference('tau', tau.by_terrain)}."
+    )
+
+
+def _room(findings: Findings, safest: Comparison) -> str:
+    """Why the target is missed, as far as the numbers tell."""
+    counted = findings.masks["pooled"]
+    ends = [mean(each.safest, counted) for each in findings.ceiling]
+    rows = [row.setting for row in findings.rows]
+    scores = mean(findings.by_judge.safest, counted)
+    best, top = scores[rows.index(safest.best)], int(np.argmax(scores))
+    low, high = sorted(100 * (end - best) for end in ends)
+    enough = (
+        f"less than the {100 * POINTS:.0f} points asked for, which no setting could gain"
+        if high < 100 * POINTS
+        else "so the judge's noise does not rule the target out"
+    )
+    return (
+        f"Why: {safest.best.label} is {low:+.1f} to {high:+.1f} points from where the judge's own "
+        f"noise ends (see the ceiling), {enough}. The most that any setting listed here finds on "
+        f"test is {100 * scores[top]:.0f} % ({rows[top].label}), {100 * (scores[top] - best):+.1f} "
+        "points; picking it now would be picking by the test."
+    )
+
+
+def _h1(findings: Findings) -> str:
+    """How the paper's own H1 does among the paper's four."""
+    rows = findings.rows[findings.paper]
+    h1 = next(k for k, row in enumerate(rows) if row.setting.label.startswith("H1"))
+    parts = []
+    for metric, words in (("safest", "safest found"), ("tau", "tau")):
+        scores = getattr(findings.by_judge, metric)[findings.paper]
+        means = mean(scores, findings.masks["pooled"])
+        others = [k for k in range(len(rows)) if k != h1]
+        rival = others[int(np.argmax(means[others]))]
+        gain = findings.draws.intervals(
+            (scores[h1] - scores[rival])[None], findings.masks["pooled"]
+        )[0]
+        parts.append(
+            f"{_verdict(gain)} the best L^p in {words} ({rows[rival].setting.norm.label}, "  # type: ignore[attr-defined]
+            f"{difference(metric, gain)})"
+        )
+    return f"The paper's H1 (d0 = {FAR:g} m, τ = 1 s): {' and '.join(parts)}."
+
+
+def _verdict(gain: Interval) -> str:
+    if not gain.excludes_zero:
+        return "no certain difference from"
+    return "better than" if gain.low > 0.0 else "worse than"
+
+
+def _pc(findings: Findings) -> str:
+    """What the paper's own judges would have said."""
+    second = findings.pc.names.index("L2 of P_c")
+    found = findings.pc_intervals("safest", second)
+    four = list(range(findings.paper.start, findings.paper.stop))
+    best = max(four, key=lambda k: found[k].mean)
+    closed = [i.mean for i in findings.intervals("safest")]
+    return (
+        f"By the paper's own judge, the L2 norm of P_c, the best of the four is "
+        f"{findings.rows[best].setting.label} with {share(found[best])} of all "
+        f"{int(findings.pc.decided[second].sum())} units, and the recommended setting finds "
+        f"{share(found[0])}. By closed-loop probability that same norm of the paper finds "
+        f"{100 * closed[best]:.0f} %."
+    )
+
+
+def _where(findings: Findings) -> str:
+    """How it goes where each danger is greatest, and in which strata the recommended one loses."""
+    parts, lost, total = [], [], 0
+    for stratum in strata(findings):
+        found = stratum.scores["safest"]
+        four = found[findings.paper]
+        best = int(np.argmax([each.mean for each in four]))
+        label = findings.rows[findings.paper][best].setting.label
+        total += 1
+        if stratum.group in MEASURES and stratum.name.startswith(THIRDS[-1]):
+            parts.append(
+                f"{stratum.group} {100 * found[0].mean:.0f} % against "
+                f"{100 * four[best].mean:.0f} % of {label}"
+            )
+        scores = findings.by_judge.safest
+        gain = findings.draws.intervals(
+            (scores[0] - scores[findings.paper][best])[None], stratum.counted
+        )[0]
+        if gain.mean < 0.0:
+            lost.append(f"{stratum.group}, {stratum.name} ({difference('safest', gain)}, {label})")
+    return (
+        f"In the third of the units with most of each danger it finds the safest so often: "
+        f"{'; '.join(parts)}. In {len(lost)} of {total} strata one of the paper's four finds it "
+        f"more often{': ' if lost else ''}{'; '.join(lost)}."
+    )
+
+
+def _challengers(findings: Findings) -> str:
+    """What was not simple, and whether it was certainly better."""
+    parts = [
+        f"{each.name} ({each.setting.label}) {each.gain.mean:+.3f} "
+        f"[{each.gain.low:+.3f}, {each.gain.high:+.3f}]"
+        for each in findings.fit.challengers
+    ]
+    return (
+        f'The recommended setting is of the family "{findings.fit.source}". On terrains held out '
+        "of training, objective over that of the best simple family: "
+        f"{'; '.join(parts) or 'nothing else was tried'}."
+    )

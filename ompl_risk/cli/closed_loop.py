@@ -1,0 +1,183 @@
+"""Closed-loop probabilities of the commands: of every path, and within a risk budget."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, replace
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.table import Table
+
+from ompl_risk.cli.finding import Found
+from ompl_risk.cli.progress import progress_bar
+from ompl_risk.cli.run_folder import RunFolder
+from ompl_risk.cli.scene import Scene
+from ompl_risk.cli.settings import JudgeSettings, PlanSettings
+from ompl_risk.errors import PlanningError
+from ompl_risk.helicopter.flight import Flight
+from ompl_risk.helicopter.flight_file import write_flight
+from ompl_risk.simulation.budget import Budgeted, fastest_within
+from ompl_risk.simulation.closed_loop import closed_loop_probability
+from ompl_risk.simulation.disturbances import Disturbances
+from ompl_risk.simulation.estimate import CollisionEstimate
+from ompl_risk.trajectory_files import write_csv
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+STEP = 0.1
+"""Time between the samples of a flight that are written [s]."""
+
+
+def closed_loop(
+    plans: Sequence[Any],
+    scene: Scene,
+    settings: JudgeSettings,
+    folder: RunFolder,
+    console: Console,
+    *,
+    seed: int = 0,
+) -> Sequence[CollisionEstimate]:
+    """Fly every path ``settings.rollouts`` times; none if that is left out.
+
+    Args:
+        plans: flights or trajectories.
+        scene: what can be hit.
+        settings: how often, and in which disturbances.
+        folder: where closed_loop.json is written.
+        console: where progress is shown.
+        seed: of the disturbances.
+    """
+    if settings.rollouts is None:
+        return ()
+    disturbances = Disturbances.level(settings.disturbances)
+    with progress_bar(console) as progress:
+        flying = progress.add_task("flying in wind and errors", total=len(plans))
+        found = closed_loop_probability(
+            plans,
+            scene.clearance,
+            disturbances,
+            rollouts=settings.rollouts,
+            seed=seed,
+            on_plan=lambda _estimate: progress.advance(flying),
+        )
+    facts = {"level": settings.disturbances, "disturbances": asdict(disturbances)}
+    folder.write_json("closed_loop.json", {**facts, "paths": [one.to_dict() for one in found]})
+    return found
+
+
+def spend_budget(
+    found: Found, scene: Scene, settings: PlanSettings, folder: RunFolder, console: Console
+) -> None:
+    """Find the fastest path whose probability of collision is within the budget, and write it.
+
+    Raises:
+        PlanningError: no path keeps to it; what was tried has been written.
+    """
+    budget = settings.max_collision_probability
+    if budget is None:
+        return
+    made: dict[int, Any] = {}
+    candidates = _candidates(found)
+
+    def plan(place: int) -> Any:
+        if place not in made:
+            made[place] = candidates[place]()
+        return made[place]
+
+    disturbances = Disturbances.level(settings.disturbances)
+    with progress_bar(console) as progress:
+        trying = progress.add_task("flying the fastest paths in wind and errors", total=None)
+        result = fastest_within(
+            plan,
+            len(candidates),
+            scene.clearance,
+            disturbances,
+            budget,
+            seed=settings.seed,
+            threads=settings.workers,
+            on_trial=lambda _place, _estimate: progress.advance(trying),
+        )
+    durations = {place: float(made[place].duration) for place in result.tried}
+    console.print(_table(result, durations))
+    _write(result, durations, settings, folder)
+    if result.chosen is None:
+        outcome = (
+            f"no path with a probability of collision of at most {budget:g} in "
+            f"{settings.disturbances} disturbances: the least upper bound of "
+            f"{len(result.tried)} paths is {result.tried[result.nearest].upper_bound():.3g}"
+        )
+        raise PlanningError(outcome, "raise --ceiling, --min-clearance or --samples, or allow more")
+    written = _write_path(made[result.chosen], folder)
+    estimate = result.tried[result.chosen]
+    seen = replace(estimate, name="")
+    console.print(
+        f"Fastest path within {budget:g}: {durations[result.chosen]:.1f} s, {seen}; at most "
+        f"{estimate.upper_bound():.3g} with all trials counted. Written: budget.json, {written}",
+        soft_wrap=True,
+        markup=False,
+        highlight=False,
+    )
+
+
+def _candidates(found: Found) -> Sequence[Callable[[], Any]]:
+    """Ways to make each candidate, in order of duration."""
+    if found.ways:
+        return found.ways
+    flown = found.flights or found.trajectories
+    return [lambda one=one: one for one in sorted(flown, key=lambda one: one.duration)]
+
+
+def _table(result: Budgeted, durations: dict[int, float]) -> Table:
+    table = Table(
+        title=f"Probability of a collision, {result.budget:g} allowed",
+        title_justify="left",
+        box=box.SIMPLE_HEAD,
+    )
+    for heading in ("path", "duration", "estimate", "at most", "rollouts", ""):
+        table.add_column(heading, justify="right")
+    words = {"below": "keeps to it", "above": "too risky", "open": "undecided"}
+    for place in sorted(result.tried):
+        estimate = result.tried[place]
+        star, style = ("* ", "bold green") if place == result.chosen else ("", "")
+        table.add_row(
+            f"{star}{place + 1}",
+            f"{durations[place]:.1f} s",
+            f"{estimate.probability:.3g}" if estimate.hits else "none seen",
+            f"{estimate.upper_bound():.3g}",
+            f"{estimate.rollouts:,}",
+            words[estimate.decided(result.budget)],
+            style=style,
+        )
+    return table
+
+
+def _write(
+    result: Budgeted, durations: dict[int, float], settings: PlanSettings, folder: RunFolder
+) -> None:
+    disturbances = Disturbances.level(settings.disturbances)
+    tried = [
+        {"path": k + 1, "duration": durations[k], **result.tried[k].to_dict()}
+        for k in sorted(result.tried)
+    ]
+    data = {
+        "budget": result.budget,
+        "confidence": result.confidence,
+        "chosen": None if result.chosen is None else result.chosen + 1,
+        "candidates": result.candidates,
+        "level": settings.disturbances,
+        "disturbances": asdict(disturbances),
+        "tried": tried,
+    }
+    folder.write_json("budget.json", data)
+
+
+def _write_path(chosen: Any, folder: RunFolder) -> str:
+    """The chosen path in files; their names."""
+    if not isinstance(chosen, Flight):
+        write_csv(folder.path / "chosen.csv", chosen)
+        return "chosen.csv"
+    write_flight(folder.path / "chosen.npz", chosen)
+    write_csv(folder.path / "chosen.csv", chosen.trajectory("chosen", step=STEP))
+    return "chosen.csv, chosen.npz"
