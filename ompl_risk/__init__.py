@@ -1,8 +1,8 @@
 """Rank motion plans by their risk of collision: Sobolev avoidance norms as an OMPL plug-in.
 
 ``import ompl_risk as risk`` gives the names below; scenes are in ``ompl_risk.terrains``, planners
-in ``ompl_risk.planners``, a vehicle with dynamics in ``ompl_risk.helicopter``, how often it collides
-in wind and error in ``ompl_risk.simulation``.
+in ``ompl_risk.planners``, a vehicle with dynamics in ``ompl_risk.helicopter``, and how often it
+collides in wind and error in ``ompl_risk.simulation``.
 """
 
 from importlib import metadata as _metadata
@@ -22,6 +22,10 @@ from ompl_risk.bridge import RiskObjective as RiskObjective
 from ompl_risk.bridge import publish as publish
 from ompl_risk.clearance import Clearance as Clearance
 from ompl_risk.clearance import MeshClearance as MeshClearance
+from ompl_risk.clearance import MovingBox as MovingBox
+from ompl_risk.clearance import MovingClearance as MovingClearance
+from ompl_risk.clearance import MovingMesh as MovingMesh
+from ompl_risk.clearance import MovingSphere as MovingSphere
 from ompl_risk.clearance import TerrainClearance as TerrainClearance
 from ompl_risk.clearance import UnionClearance as UnionClearance
 from ompl_risk.frechet import frechet_distance as frechet_distance

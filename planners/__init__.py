@@ -3,7 +3,8 @@
 `RiskRoadmap` is a planner for OMPL's SimpleSetup, `SST` one for its control spaces. `Portfolio`
 runs any planners side by side. Without OMPL, `roadmap_of` grows a roadmap for a `Problem`, and
 `flight_roadmap` one that a helicopter flies: `alternative_routes` are its ways of equal time,
-`pareto_routes` all that are not undercut in both duration and risk.
+`pareto_routes` all that are not undercut in both duration and risk. `earliest_arrival` finds the
+way through a network among moving obstacles.
 """
 
 from ompl_risk.planners.candidate_ranking import CandidateRanking as CandidateRanking
@@ -48,6 +49,11 @@ from ompl_risk.planners.selection import select as select
 from ompl_risk.planners.shortcut import shortcut as shortcut
 from ompl_risk.planners.sides import Sides as Sides
 from ompl_risk.planners.solving import solve_task as solve_task
+from ompl_risk.planners.spacetime import Arrival as Arrival
+from ompl_risk.planners.spacetime import Network as Network
+from ompl_risk.planners.spacetime import TimedRoute as TimedRoute
+from ompl_risk.planners.spacetime import Wait as Wait
+from ompl_risk.planners.spacetime import earliest_arrival as earliest_arrival
 from ompl_risk.planners.sst.planner import SST as SST
 from ompl_risk.planners.task import Candidate as Candidate
 from ompl_risk.planners.task import Status as Status

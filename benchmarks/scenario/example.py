@@ -39,7 +39,6 @@ def draw_example(folder: Path, out: Console, *, places: int = procedure.PLACES) 
         ranking,
         judgement.profiles,
         terrain,
-        d0=procedure.FAR,
         ceiling=ceiling,
         title=title,
         path=folder / "figure5.png",

@@ -44,6 +44,11 @@ class Avoidance(ABC):
         """df/dd at the distances `d` [m], any shape."""
 
     @property
+    def unit(self) -> str:
+        """Unit of f: "1/m", or "1" for a bare number."""
+        return "1"
+
+    @property
     def steady(self) -> float | None:
         """Length [m] over which f changes by a good part; None where that is d itself."""
         return None

@@ -40,6 +40,11 @@ class InverseDistance(Avoidance):
     def __post_init__(self) -> None:
         object.__setattr__(self, "d0", positive("d0", self.d0))
 
+    @property
+    def unit(self) -> str:
+        """1/m."""
+        return "1/m"
+
     def __call__(self, d: ArrayLike) -> FloatArray:
         """Values of f [1/m] at the distances `d` [m], any shape."""
         d = checked_distance(d)

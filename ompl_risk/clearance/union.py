@@ -38,6 +38,9 @@ class UnionClearance(Clearance):
         for k, member in enumerate(self.members):
             if not callable(member):
                 raise ArgumentError(f"members[{k}]", member, "callable with points (n, 3)")
+            if getattr(member, "moves", False):
+                allowed = "one that stands still: MovingClearance(..., static=...) takes the others"
+                raise ArgumentError(f"members[{k}]", member, allowed)
         self.uses_orientation = any(_is_posed(member) for member in self.members)
         self.reach = max(float(getattr(member, "reach", 0.0)) for member in self.members)
 

@@ -97,7 +97,11 @@ def spend_budget(
             budget,
             seed=settings.seed,
             threads=settings.workers,
-            on_trial=lambda _place, _estimate: progress.advance(trying),
+            on_trial=lambda place, estimate: progress.update(
+                trying,
+                advance=1,
+                description=f"path {place + 1} of {len(candidates)}: {estimate.probability:.3g}",
+            ),
         )
     durations = {place: float(made[place].duration) for place in result.tried}
     console.print(_table(result, durations))

@@ -119,7 +119,8 @@ class HelicopterFinder(Finder):
             way = steering.planned(roadmap.states[route.vertices])
             return way.trajectory(name, step=PARETO_STEP)
 
-        write_pareto(front, self._norm, planned, folder, console)
+        unit = self._problem.avoidance.unit
+        write_pareto(front, self._norm, unit, planned, folder, console)
 
 
 def _digest(path: Path) -> str:

@@ -90,7 +90,6 @@ def report(
         ranking,
         judgement.profiles,
         scene.terrain,
-        d0=scene.avoidance.d0,
         ceiling=ceiling,
         title=title,
         path=folder.path / "figure.png",

@@ -26,6 +26,7 @@ ROWS = 8
 def write_pareto(
     front: Front,
     norm: Norm,
+    unit: str,
     trajectory: Callable[[Route, str], Trajectory],
     folder: RunFolder,
     console: Console,
@@ -35,6 +36,7 @@ def write_pareto(
     Args:
         front: the set.
         norm: by which risk is counted.
+        unit: of the avoidance function.
         trajectory: what a route of a name is written as.
         folder: where to write.
         console: where to print.
@@ -55,7 +57,7 @@ def write_pareto(
     for k, route in enumerate(front.routes):
         name = f"{k + 1:04d}"
         write_csv(paths / f"{name}.csv", trajectory(route, name))
-    pareto_figure(durations, norms, norm, folder.path / "pareto.png")
+    pareto_figure(durations, norms, norm, folder.path / "pareto.png", unit=unit)
     console.print(_table(durations, norms, norm))
     console.print(
         f"{len(norms)} paths that no other undercuts in both: pareto.csv, pareto.png, pareto/",

@@ -103,6 +103,9 @@ def _finder(settings: PlanSettings, problem: planners.Problem) -> Finder:
         raise ArgumentError("workers", settings.workers, "a whole number of at least 1")
     if settings.seed < 1:
         raise ArgumentError("seed", settings.seed, "a whole number of at least 1")
+    budget = settings.max_collision_probability
+    if budget is not None and not 0.0 < budget < 1.0:
+        raise ArgumentError("max_collision_probability", budget, "between 0 and 1")
     kind = settings.planner.lower()
     idle = OF_SEARCHES if kind == ROADMAP else OF_ROADMAP
     _refuse_idle(settings, idle, f"--planner {settings.planner}")

@@ -75,7 +75,8 @@ class RoadmapFinder(Finder):
         check_found(roadmap, len(paths.positions))
         front = pareto_routes(roadmap) if has_use_for_front(settings) else None
         if settings.pareto and front is not None:
-            write_pareto(front, self._norm, self._trajectory, folder, console)
+            unit = self._problem.avoidance.unit
+            write_pareto(front, self._norm, unit, self._trajectory, folder, console)
         return Found(
             trajectories=[
                 Trajectory.at_constant_speed(p, settings.speed, f"alternative {k + 1}")

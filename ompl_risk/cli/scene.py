@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 from ompl_risk import planners, terrains
 from ompl_risk._arrays import positive
-from ompl_risk.avoidance import InverseDistance
+from ompl_risk.avoidance import Avoidance, GaussianTail
+from ompl_risk.avoidance.naming import parse_avoidance
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.base import as_length
 from ompl_risk.cli.settings import PLACES, JudgeSettings, PlanSettings
@@ -32,7 +33,7 @@ class Scene:
     """
 
     clearance: TerrainClearance
-    avoidance: InverseDistance
+    avoidance: Avoidance
     norms: tuple[Norm, ...]
     uncertainty: float
     duration_tolerance: float
@@ -53,12 +54,17 @@ def scene_of(terrain: str, settings: JudgeSettings) -> Scene:
     Raises:
         OmplRiskError: a setting is out of range, or the terrain cannot be loaded.
     """
-    avoidance = InverseDistance(settings.d0)
+    avoidance = parse_avoidance(settings.avoidance, settings.d0)
+    if isinstance(avoidance, GaussianTail) and settings.d0 != JudgeSettings().d0:
+        allowed = f"left out: {settings.avoidance} ends at {avoidance.d0:g} m"
+        raise ArgumentError("d0", settings.d0, allowed)
     uncertainty = positive("uncertainty", settings.uncertainty)
     radius = as_length(settings.radius, "radius")
     tolerance = settings.duration_tolerance
     if not 0.0 <= tolerance < float("inf"):
         raise ArgumentError("duration_tolerance", tolerance, "a finite number of at least 0")
+    if settings.rollouts is not None and settings.rollouts < 1:
+        raise ArgumentError("rollouts", settings.rollouts, "a whole number of at least 1")
     norms = tuple(parse_norm(name, argument="norms") for name in settings.norms)
     labels = [norm.label for norm in norms]
     if not labels or len(set(labels)) < len(labels):

@@ -35,7 +35,10 @@ class JudgeSettings:
         crs: coordinate reference system of a file that states none, such as EPSG:32616.
         terrain_seed: seed of a parametric terrain.
         radius: radius of the vehicle's sphere [m].
-        d0: distance from which obstacles pose no danger [m].
+        avoidance: how dangerous a distance d is: inverse, the paper's 1/d - 1/d0; cap, the share of
+            a ball of radius d0 below flat ground; tail(12), the probability that a normal error
+            of 12 m exceeds d.
+        d0: distance from which obstacles pose no danger [m], for inverse and cap.
         uncertainty: radius r of the ball in which the vehicle may really be [m].
         norms: norms to rank by: L1, L2, any Lp, Linf, H1, H1(0.5) with a time scale [s].
         duration_tolerance: relative spread of durations within which norms compare.
@@ -50,6 +53,7 @@ class JudgeSettings:
     crs: str | None = None
     terrain_seed: Whole | None = None
     radius: float = 5.0
+    avoidance: str = "inverse"
     d0: float = 100.0
     uncertainty: float = 100.0
     norms: tuple[str, ...] = ("L1", "L2", "Linf", "H1")

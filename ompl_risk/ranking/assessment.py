@@ -58,7 +58,7 @@ class Assessment:
     Args:
         trajectory: the trajectory with the samples at which the distance was evaluated, n of them.
         d: signed distances to obstacles [m], shape (n,).
-        f: avoidance function [1/m], shape (n,); inf in a collision.
+        f: avoidance function, in its unit, shape (n,); inf in a collision.
         norms: norm of f by label.
         attribution: where each norm comes from, by label; None for a norm that is 0 or infinite.
         pc_norms: the same norms of the probability of collision, by label, if one was given.

@@ -50,7 +50,8 @@ def rank(
     Args:
         trajectories: at least one, with names that differ.
         clearance: points [m], shape (n, 3), to signed distances [m], shape (n,); poses, shape
-            (n, 7), if its attribute `uses_orientation` is true.
+            (n, 7), if its attribute `uses_orientation` is true; a `MovingClearance` is asked at the
+            samples' times.
         avoidance: the avoidance function, such as InverseDistance(d0=100.0), FlatCap(r=100.0) or
             GaussianTail(sigma=25.0).
         norms: at least one, with labels that differ.
@@ -100,7 +101,7 @@ def rank(
             max_step=step, window_share=share, profile=given.profile, estimate=given.estimate,
         )  # fmt: skip
 
-    ranking = Ranking(each(work, trajectories, threads), norms, tolerance)
+    ranking = Ranking(each(work, trajectories, threads), norms, tolerance, avoidance)
     if not ranking.durations_comparable:
         fastest, slowest = ((a.name, a.duration) for a in (ranking.fastest, ranking.slowest))
         warnings.warn(DurationWarning(fastest, slowest, tolerance), stacklevel=2)

@@ -25,7 +25,8 @@ def as_dict(ranking: Ranking, segments: int) -> dict[str, Any]:
     pc, probability = ranking.pc_agreement, ranking.probability_agreement
     return {
         "units": {"duration": "s", "length": "m", "clearance": "m", "time": "s", "position": "m"}
-        | {"norms": {norm.label: norm_unit(norm) for norm in ranking.norms}},
+        | {"norms": {n.label: norm_unit(n, of=ranking.avoidance.unit) for n in ranking.norms}},
+        "avoidance": repr(ranking.avoidance),
         "duration_tolerance": number(ranking.duration_tolerance),
         "duration_spread": number(ranking.duration_spread),
         "durations_comparable": ranking.durations_comparable,
@@ -80,7 +81,7 @@ def norm_unit(norm: Norm, *, of: str = "1/m") -> str:
     if math.isinf(p):
         return of
     time = "s" if p == 1 else f"s^(1/{p:g})"
-    return time + of.removeprefix("1")
+    return time + of.removeprefix("1")  # s/m of 1/m, s of a bare number
 
 
 def number(value: float) -> float | str:

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from rich.console import RenderableType
 
+from ompl_risk.avoidance import Avoidance
 from ompl_risk.errors import ArgumentError, CollisionError
 from ompl_risk.norms import Norm
 from ompl_risk.ranking import export, tables
@@ -34,11 +35,13 @@ class Ranking:
         assessments: one for each trajectory, in the order of input.
         norms: the norms.
         duration_tolerance: relative spread of the durations up to which the norms compare.
+        avoidance: the avoidance function that the norms are of.
     """
 
     assessments: tuple[Assessment, ...]
     norms: tuple[Norm, ...]
     duration_tolerance: float
+    avoidance: Avoidance
 
     def __repr__(self) -> str:
         orders = "; ".join(f"{label}: {' '.join(names)}" for label, names in self.orders.items())

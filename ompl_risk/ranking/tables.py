@@ -70,7 +70,7 @@ def norm_table(
     table = Table(title=title, title_justify="left")
     table.add_column("trajectory")
     for norm in ranking.norms:
-        unit = norm_unit(norm, of="1" if of_probability else "1/m")
+        unit = norm_unit(norm, of="1" if of_probability else ranking.avoidance.unit)
         table.add_column(Text(f"{norm.label}\n[{unit}]"), justify="right")
     for a in ranking.assessments:
         norms = a.pc_norms if of_probability else a.norms

@@ -27,7 +27,6 @@ def ranking_figure(
     profiles: Mapping[str, CollisionProfile],
     terrain: Terrain,
     *,
-    d0: float,
     ceiling: float | None = None,
     title: str = "",
     path: str | Path | None = None,
@@ -38,7 +37,6 @@ def ranking_figure(
         ranking: made with these profiles; its order of trajectories is that of the colours.
         profiles: probability of collision by name of the trajectory.
         terrain: the ground.
-        d0: distance [m] from which obstacles pose no danger.
         ceiling: altitude [m] that paths had to stay below, if there was one.
         title: what stands above the map.
         path: where to write the figure, if given.
@@ -70,8 +68,8 @@ def ranking_figure(
         draw_norm_table(figure.add_axes((0.635, y, 0.35, half)), table)
     low, tall = 0.6 / height, bottom - 0.6 / height
     plots = [figure.add_axes((0.045 + k * 0.328, low, 0.284, tall)) for k in range(3)]
-    draw_distance(plots[0], ranking.assessments, d0)
-    draw_avoidance(plots[1], ranking.assessments, d0)
+    draw_distance(plots[0], ranking.assessments, ranking.avoidance.d0)
+    draw_avoidance(plots[1], ranking.assessments, ranking.avoidance)
     draw_probability(plots[2], ranking.assessments, profiles)
     if path is not None:
         save(figure, path)
@@ -88,7 +86,7 @@ def _heading(figure: Figure, title: str, height: float) -> None:
 def _tables(ranking: Ranking, labels: list[str]) -> list[NormTable]:
     kinds = (
         ("Probability of collision (PC): norms of $P_c(t)$", "1", "pc_norms"),
-        ("Collision avoidance (CA): norms of $f(t)$", "1/m", "norms"),
+        ("Collision avoidance (CA): norms of $f(t)$", ranking.avoidance.unit, "norms"),
     )
     return [
         NormTable(

@@ -15,7 +15,7 @@ from ompl_risk.report.chase import Chase
 from ompl_risk.report.chase_view import ChaseView
 from ompl_risk.report.flight_map import draw_flight_map
 from ompl_risk.report.style import FAINT, INK, SIZES, colour, new_figure
-from ompl_risk.report.time_plots import BEYOND, LARGEST_F
+from ompl_risk.report.time_plots import BEYOND, LARGEST_F, in_unit
 from ompl_risk.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -112,10 +112,12 @@ class Film:
 
     def _add_avoidance(self, t: FloatArray, f: FloatArray, avoidance: Avoidance) -> None:
         axes = self.figure.add_axes((LEFT, 0.11, WIDE, 0.19))
-        peak = min(float(f.max()), (LARGEST_F - 1.0) / avoidance.d0)
-        top = 1.08 * peak if peak > 0.0 else 1.0 / avoidance.d0
+        peak = min(float(f.max()), float(avoidance(avoidance.d0 / LARGEST_F)))
+        top = 1.08 * peak if peak > 0.0 else avoidance.typical
         axes.set_ylim(0.0, top)
-        self._plot(axes, t, np.minimum(f, 2.0 * top), "avoidance function $f(t)$ [1/m]")
+        self._plot(
+            axes, t, np.minimum(f, 2.0 * top), f"avoidance function $f(t)${in_unit(avoidance)}"
+        )
         at_frames = np.minimum(avoidance(self.distances), 0.97 * top)
         self._mark(axes, np.stack([self.chase.flight.t, at_frames], axis=1))
 

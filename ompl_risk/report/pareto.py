@@ -16,7 +16,12 @@ from ompl_risk.report.style import FAINT, INK, SIZES, colour, new_figure, save
 
 
 def pareto_figure(
-    durations: Sequence[float], norms: Sequence[float], norm: Norm, path: str | Path | None = None
+    durations: Sequence[float],
+    norms: Sequence[float],
+    norm: Norm,
+    path: str | Path | None = None,
+    *,
+    unit: str = "1/m",
 ) -> Figure:
     """Draw norm against duration, with what no path of the roadmap reaches shaded.
 
@@ -25,6 +30,7 @@ def pareto_figure(
         norms: of the same paths, falling.
         norm: which norm it is.
         path: where to write the figure, if given.
+        unit: of the avoidance function.
 
     Returns:
         The figure, 900 pixels wide.
@@ -52,9 +58,9 @@ def pareto_figure(
             fontsize=SIZES["small"],
         )  # fmt: skip
         _shares(axes, durations[0])
-    unit = norm_unit(norm).replace("s^(1/2)", "√s")
+    root = norm_unit(norm, of=unit).replace("s^(1/2)", "√s")
     axes.set_xlabel("duration [s]", fontsize=SIZES["text"])
-    axes.set_ylabel(f"{mathematical(norm.label)} of $f$ [{unit}]", fontsize=SIZES["text"])
+    axes.set_ylabel(f"{mathematical(norm.label)} of $f$ [{root}]", fontsize=SIZES["text"])
     axes.tick_params(labelsize=SIZES["small"])
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
     axes.spines["right"].set_visible(False)

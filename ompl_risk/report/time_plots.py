@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 
 from ompl_risk._arrays import FloatArray
+from ompl_risk.avoidance import Avoidance
 from ompl_risk.report.style import FAINT, INK, SIZES, colour, dashes
 
 if TYPE_CHECKING:
@@ -48,14 +49,19 @@ def draw_distance(axes: Axes, assessments: Sequence[Assessment], d0: float) -> N
     _finish(axes, "Distance to obstacles $d(t)$ [m]", assessments)
 
 
-def draw_avoidance(axes: Axes, assessments: Sequence[Assessment], d0: float) -> None:
+def draw_avoidance(axes: Axes, assessments: Sequence[Assessment], avoidance: Avoidance) -> None:
     """Draw f(t); the axis is cut where collisions or near ones would hide the rest."""
-    cut = (LARGEST_F - 1.0) / d0
+    cut = float(avoidance(avoidance.d0 / LARGEST_F))
     peak = max(float(np.minimum(a.f, cut).max()) for a in assessments)
     for i, a in _safest_last(assessments):
         _line(axes, i, a.trajectory.t, np.minimum(a.f, 2.0 * cut))
-    axes.set_ylim(0.0, 1.05 * peak if peak > 0.0 else 1.0 / d0)
-    _finish(axes, "Avoidance function $f(t)$ [1/m]", assessments)
+    axes.set_ylim(0.0, 1.05 * peak if peak > 0.0 else avoidance.typical)
+    _finish(axes, f"Avoidance function $f(t)${in_unit(avoidance)}", assessments)
+
+
+def in_unit(avoidance: Avoidance) -> str:
+    """The unit of f behind a label: " [1/m]", nothing for a bare number."""
+    return "" if avoidance.unit == "1" else f" [{avoidance.unit}]"
 
 
 def draw_probability(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
@@ -16,8 +17,8 @@ from ompl_risk.simulation.until import Decided, whole
 COARSE = 16
 """Candidates, evenly spaced in the order given, that are tried first."""
 
-MOST = 40_000
-"""Rollouts after which a candidate that is near the budget is given up."""
+PATIENCE = 4
+"""After how many times the rollouts that would do if none collided a candidate is given up."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +67,7 @@ def fastest_within(
     *,
     confidence: float = 0.95,
     seed: int = 0,
-    most: int = MOST,
+    most: int | None = None,
     threads: int | None = None,
     on_trial: Callable[[int, CollisionEstimate], object] = lambda _place, _estimate: None,
 ) -> Budgeted:
@@ -91,7 +92,8 @@ def fastest_within(
         budget: greatest probability of collision, between 0 and 1.
         confidence: that the chosen one keeps to it.
         seed: of all random numbers.
-        most: rollouts of a candidate, at most.
+        most: rollouts of a candidate, at most; ``PATIENCE`` times those that would do if none
+            collided, if left out. Fewer than those can never accept any.
         threads: at a time; None uses all processors.
         on_trial: called with place and estimate of each candidate tried.
 
@@ -105,21 +107,25 @@ def fastest_within(
     sure = real_number("confidence", confidence, "between 0 and 1")
     if not 0.0 < sure < 1.0:
         raise ArgumentError("confidence", confidence, "between 0 and 1")
-    whole("most", most)
     trials = len(_coarse(candidates)) + candidates.bit_length()
     each = 1.0 - (1.0 - sure) / trials
+    rule = Decided(allowed, _most(allowed, each) if most is None else whole("most", most))
     tried: dict[int, CollisionEstimate] = {}
 
     def keeps(place: int) -> bool:
         (tried[place],) = closed_loop_probability(
             plan(place), clearance, disturbances,
-            seed=seed, confidence=each, threads=threads, until=Decided(allowed, most),
+            seed=seed, confidence=each, threads=threads, until=rule,
         )  # fmt: skip
         on_trial(place, tried[place])
         return tried[place].decided(allowed) == "below"
 
     chosen = _first(keeps, candidates)
     return Budgeted(allowed, sure, chosen, tried, candidates)
+
+
+def _most(budget: float, confidence: float) -> int:
+    return math.ceil(PATIENCE * math.log(1.0 - confidence) / math.log1p(-budget))
 
 
 def _coarse(candidates: int) -> Sequence[int]:

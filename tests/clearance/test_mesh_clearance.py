@@ -8,7 +8,13 @@ import pytest
 import trimesh
 from scipy.spatial.transform import Rotation
 
-from ompl_risk.clearance import MeshClearance, TerrainClearance, UnionClearance
+from ompl_risk.clearance import (
+    MeshClearance,
+    MovingClearance,
+    MovingSphere,
+    TerrainClearance,
+    UnionClearance,
+)
 from ompl_risk.errors import ArgumentError
 from ompl_risk.terrains import Terrain
 
@@ -128,6 +134,10 @@ def test_inverted_mesh_is_refused():
         (lambda: MeshClearance(box(), body=box())([[0, 0, 0, 0, 0, 0, 2.0]]), "unit quaternion"),
         (lambda: UnionClearance([]), "members"),
         (lambda: UnionClearance([3]), "members[0] = 3"),
+        (
+            lambda: UnionClearance([MovingClearance(MovingSphere(1.0, [0.0], [[0.0, 0.0, 0.0]]))]),
+            "stands still",
+        ),
         (lambda: UnionClearance([lambda p: np.zeros(3)])([[0, 0, 0]]), "members[0](points).shape"),
     ],
 )

@@ -149,7 +149,7 @@ def test_speed_bound_takes_only_the_pieces_in_its_time():
 
 
 @given(seed=st.integers(0, 10_000), step=st.floats(-6.0, 1.0))
-@settings(max_examples=60)
+@settings(max_examples=60, deadline=None)
 def test_law_d_is_lipschitz_in_place_and_in_time(seed, step):
     rng = np.random.default_rng(seed)
     clearance = MovingClearance(wandering(seed % 7), radius=0.3)

@@ -105,6 +105,15 @@ def test_steps_are_short_against_the_distance_over_the_relative_motion():
     assert np.diff(t).max() > 2.0  # far away a few samples do
 
 
+def test_what_comes_near_in_the_middle_of_a_long_step_is_found():
+    """Beyond d0 until it is 2 s away, and again 2 s later: the ends of the step say nothing."""
+    x = [-900.0, -60.0, 60.0, 900.0]
+    comet = MovingSphere(1.0, [0.0, 1.0, 5.0, 6.0], [[each, 6.0, 0.0] for each in x])
+    found = rank([hover(6.0)], MovingClearance(comet), F, norms=[Lp(2)], max_step=1e6)["hover"]
+    assert found.min_clearance == pytest.approx(5.0, abs=0.05)
+    assert found.norms["L2"] > 0.0
+
+
 def test_in_formation_nothing_has_to_be_sampled():
     beside = MovingSphere(1.0, [0.0, 10.0], [[0.0, 5.0, 0.0], [300.0, 5.0, 0.0]])
     flight = Trajectory([0.0, 10.0], [[0.0, 0.0, 0.0], [300.0, 0.0, 0.0]], "A")

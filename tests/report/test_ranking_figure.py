@@ -17,7 +17,7 @@ D0 = 60.0
 @pytest.fixture(scope="module")
 def drawn(three, hill):
     ranking, profiles = three
-    return ranking_figure(ranking, profiles, hill, d0=D0, ceiling=150.0, title="Round the hill")
+    return ranking_figure(ranking, profiles, hill, ceiling=150.0, title="Round the hill")
 
 
 def texts(figure):
@@ -32,7 +32,7 @@ def lines(axes, name):
 
 def test_it_is_1600_pixels_wide_and_written(three, hill, tmp_path):
     ranking, profiles = three
-    ranking_figure(ranking, profiles, hill, d0=D0, path=tmp_path / "figure.png")
+    ranking_figure(ranking, profiles, hill, path=tmp_path / "figure.png")
     header = (tmp_path / "figure.png").read_bytes()[:24]
     width, height = struct.unpack(">II", header[16:])
     assert width == 1600
@@ -98,7 +98,7 @@ def test_text_does_not_overlap_within_its_axes(drawn):
 
 def test_a_collision_is_marked_and_does_not_break_the_scales(crashing, hill):
     ranking, profiles = crashing
-    figure = ranking_figure(ranking, profiles, hill, d0=D0)
+    figure = ranking_figure(ranking, profiles, hill)
     distance, avoidance, _ = figure.axes[-3:]
     through = ranking["through"]
     marks = [line for line in distance.lines if line.get_marker() == "X"]
@@ -143,4 +143,4 @@ def test_long_names_keep_both_ends():
 def test_a_figure_that_cannot_be_written_is_an_error_of_one_line(three, hill, tmp_path, name, part):
     ranking, profiles = three
     with pytest.raises(FileError, match=part):
-        ranking_figure(ranking, profiles, hill, d0=D0, path=tmp_path / name)
+        ranking_figure(ranking, profiles, hill, path=tmp_path / name)
