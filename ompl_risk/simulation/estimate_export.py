@@ -15,7 +15,7 @@ LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 
 def sentence(estimate: CollisionEstimate) -> str:
     """The probability with its bounds and counts, never a bare 0; see ``str(estimate)``."""
-    sure = f"({100 * estimate.confidence:g} %)"
+    sure = f"({100 * estimate.confidence:.4g} %)"
     says = f"{estimate.hits:,} of {estimate.rollouts:,}"
     if estimate.hits == 0:
         says += f", at most {short(estimate.high)} {sure}"

@@ -55,7 +55,7 @@ class PairedDifference:
     def __str__(self) -> str:
         return (
             f"P({self.first}) - P({self.second}) = {self.difference:.3g}, {self.low:.3g} to "
-            f"{self.high:.3g} ({100 * self.confidence:g} %): of {self.rollouts:,} rollouts "
+            f"{self.high:.3g} ({100 * self.confidence:.4g} %): of {self.rollouts:,} rollouts "
             f"{self.more:,} hit with {self.first} only, {self.less:,} with {self.second} only"
         )
 

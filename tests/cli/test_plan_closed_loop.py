@@ -53,8 +53,10 @@ def test_chosen_path_keeps_to_the_budget_in_other_disturbances_too(budgeted, wal
 
 
 def test_no_path_is_safe_enough(wall_file, tmp_path, refused):
+    low = [*SCENE]
+    low[low.index("--ceiling") + 1] = "130"
     line = refused(
-        "plan", "--terrain", wall_file, *SCENE, "--disturbances", "severe",
+        "plan", "--terrain", wall_file, *low, "--disturbances", "severe",
         "--max-collision-probability", "0.02", "--output", tmp_path / "run",
     )  # fmt: skip
     assert "no path with a probability of collision of at most 0.02" in line
