@@ -16,10 +16,10 @@ from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.parameters import Helicopter
 from ompl_risk.helicopter.primitives import DT
 from ompl_risk.helicopter.trims import solve_trim
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.helicopter_plan import HelicopterPlan
-from ompl_risk.simulation.rollouts import fly
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.loop.helicopter_plan import HelicopterPlan
+from ompl_risk.simulation.loop.rollouts import fly
 
 SLOWER = Tolerance(4.0, of="yardstick")
 

@@ -12,7 +12,7 @@ from typing import Any
 from benchmarks import procedures
 from benchmarks.campaign import run
 from benchmarks.evidence import grounds, procedure, profiles
-from ompl_risk.simulation.disturbances import Disturbances
+from ompl_risk.simulation.disturbances.together import Disturbances
 
 CONSTANTS = (
     "FLIGHTS", "FAR", "MARGIN", "NEAREST", "FARTHEST", "HEIGHT", "LEAST", "GREATEST", "LOWEST",

@@ -17,9 +17,9 @@ from benchmarks.evidence.settings import Settings, code
 from ompl_risk import TerrainClearance
 from ompl_risk.helicopter.flight import Flight
 from ompl_risk.simulation.closed_loop import closed_loop_probability
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.estimate import CollisionEstimate
-from ompl_risk.simulation.helicopter_plan import HelicopterPlan
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate
+from ompl_risk.simulation.loop.helicopter_plan import HelicopterPlan
 
 COMPLETE, FEW, FAILED = "complete", "few", "failed"
 PACKAGES = ("python", "ompl-risk", "numpy", "numba", "scipy")

@@ -19,8 +19,8 @@ from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.flight_file import write_flight
 from ompl_risk.simulation.budget import Budgeted, fastest_within
 from ompl_risk.simulation.closed_loop import closed_loop_probability
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.estimate import CollisionEstimate
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate
 from ompl_risk.trajectory_files import write_csv
 
 if TYPE_CHECKING:

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from ompl_risk._kernels import ball, nearest
 from ompl_risk.clearance import TerrainClearance, UnionClearance
 from ompl_risk.clearance.base import as_queries
-from ompl_risk.clearance.moving import MovingClearance
+from ompl_risk.clearance.moving.clearance import MovingClearance
 from ompl_risk.clearance.threads import in_chunks
 from ompl_risk.errors import ArgumentError
 from ompl_risk.probability.proportion import Proportion, clopper_pearson

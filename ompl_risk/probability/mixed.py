@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ompl_risk.clearance import TerrainClearance
-from ompl_risk.clearance.moving import MovingClearance
+from ompl_risk.clearance.moving.clearance import MovingClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.probability.estimators import (
     BallSampling,

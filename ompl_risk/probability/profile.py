@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray, positive
 from ompl_risk.clearance import TerrainClearance
-from ompl_risk.clearance.moving import MovingClearance
+from ompl_risk.clearance.moving.clearance import MovingClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.probability.estimators import BallSampling, ColumnQuadrature, Estimator
 from ompl_risk.probability.mixed import ColumnsAndSampling

@@ -10,9 +10,9 @@ from typing import Any
 from ompl_risk._arrays import real_number
 from ompl_risk.errors import ArgumentError
 from ompl_risk.simulation.closed_loop import closed_loop_probability
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.estimate import CollisionEstimate
-from ompl_risk.simulation.until import Decided, whole
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate
+from ompl_risk.simulation.estimates.until import Decided, whole
 
 COARSE = 16
 """Candidates, evenly spaced in the order given, that are tried first."""

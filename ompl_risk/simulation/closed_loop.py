@@ -11,17 +11,17 @@ import numpy as np
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.flight import Flight
-from ompl_risk.simulation.checking import fly_checked
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.estimate import CollisionEstimate, check_confidence
-from ompl_risk.simulation.helicopter_plan import HelicopterPlan
-from ompl_risk.simulation.importance import Design, RaisedGround
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.plans import Plan
-from ompl_risk.simulation.point_plan import PointPlan
-from ompl_risk.simulation.rollouts import fly
-from ompl_risk.simulation.until import Count, Until
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate, check_confidence
+from ompl_risk.simulation.estimates.until import Count, Until
+from ompl_risk.simulation.loop.checking import fly_checked
+from ompl_risk.simulation.loop.helicopter_plan import HelicopterPlan
+from ompl_risk.simulation.loop.outcomes import Outcomes
+from ompl_risk.simulation.loop.plans import Plan
+from ompl_risk.simulation.loop.point_plan import PointPlan
+from ompl_risk.simulation.loop.rollouts import fly
+from ompl_risk.simulation.rare.importance import Design, RaisedGround
 from ompl_risk.trajectory import Trajectory
 
 ROLLOUTS = 1000

@@ -74,8 +74,8 @@ def earliest_arrival(
             of range.
 
     Example:
-        >>> from ompl_risk.clearance.moving import MovingClearance
-        >>> from ompl_risk.clearance.moving_obstacles import MovingSphere
+        >>> from ompl_risk.clearance.moving.clearance import MovingClearance
+        >>> from ompl_risk.clearance.moving.obstacles import MovingSphere
         >>> ball = MovingSphere(1.0, [0.0, 9.0], [[5.0, -4.0, 0.0], [5.0, 5.0, 0.0]])
         >>> line = Network([[0.0, 0.0, 0.0], [10.0, 0.0, 0.0]], [[0, 1]])
         >>> found = earliest_arrival(line, MovingClearance(ball), 0, 1, speed=1.0, horizon=60.0)

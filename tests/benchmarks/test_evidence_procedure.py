@@ -18,10 +18,10 @@ from benchmarks.evidence.unit import draw_seed, evaluate, failed
 from ompl_risk import TerrainClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.flight import Flight
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.helicopter_plan import HelicopterPlan
-from ompl_risk.simulation.rollouts import fly
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.loop.helicopter_plan import HelicopterPlan
+from ompl_risk.simulation.loop.rollouts import fly
 from ompl_risk.terrains import Terrain
 
 UNIT = 3

@@ -3,7 +3,7 @@
 import numpy as np
 from scipy.spatial.transform import Rotation, Slerp
 
-from ompl_risk.clearance.moving_obstacles import MovingBox, MovingSphere
+from ompl_risk.clearance.moving.obstacles import MovingBox, MovingSphere
 
 
 def pose(obstacle, time):

@@ -12,8 +12,8 @@ from moving_scene import circling, true_distance, wandering
 from scipy.spatial.transform import Rotation
 
 from ompl_risk.clearance import Clearance, MeshClearance, TerrainClearance, UnionClearance
-from ompl_risk.clearance.moving import MovingClearance
-from ompl_risk.clearance.moving_obstacles import MovingBox, MovingMesh, MovingSphere
+from ompl_risk.clearance.moving.clearance import MovingClearance
+from ompl_risk.clearance.moving.obstacles import MovingBox, MovingMesh, MovingSphere
 from ompl_risk.errors import ArgumentError
 from ompl_risk.terrains import Terrain
 

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from moving_scene import circling, wandering
 
 from ompl_risk.clearance import TerrainClearance
-from ompl_risk.clearance.moving import MovingClearance
-from ompl_risk.clearance.moving_obstacles import MovingBox, MovingMesh, MovingSphere
+from ompl_risk.clearance.moving.clearance import MovingClearance
+from ompl_risk.clearance.moving.obstacles import MovingBox, MovingMesh, MovingSphere
 from ompl_risk.errors import ArgumentError
 from ompl_risk.terrains import Terrain
 

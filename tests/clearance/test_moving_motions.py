@@ -10,10 +10,10 @@ from hypothesis import strategies as st
 from moving_scene import along, circling, motions, wandering
 
 from ompl_risk.clearance import MeshClearance, TerrainClearance
-from ompl_risk.clearance.moving import MovingClearance
-from ompl_risk.clearance.moving_obstacles import MovingBox, MovingMesh, MovingSphere
-from ompl_risk.clearance.moving_search import TimedMotions
-from ompl_risk.clearance.travel import Travel, lowest
+from ompl_risk.clearance.moving.clearance import MovingClearance
+from ompl_risk.clearance.moving.obstacles import MovingBox, MovingMesh, MovingSphere
+from ompl_risk.clearance.moving.search import TimedMotions
+from ompl_risk.clearance.moving.travel import Travel, lowest
 from ompl_risk.errors import ArgumentError
 from ompl_risk.terrains import Terrain
 

@@ -8,8 +8,8 @@ from scipy.integrate import quad
 
 from ompl_risk.avoidance import InverseDistance
 from ompl_risk.clearance import TerrainClearance, UnionClearance
-from ompl_risk.clearance.moving import MovingClearance
-from ompl_risk.clearance.moving_obstacles import MovingBox, MovingSphere
+from ompl_risk.clearance.moving.clearance import MovingClearance
+from ompl_risk.clearance.moving.obstacles import MovingBox, MovingSphere
 from ompl_risk.errors import ArgumentError
 from ompl_risk.norms import Lp, Sobolev
 from ompl_risk.ranking import DEFAULT_NORMS, rank

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from ompl_risk.clearance import TerrainClearance
-from ompl_risk.clearance.moving import MovingClearance
-from ompl_risk.clearance.moving_obstacles import MovingBox, MovingSphere
+from ompl_risk.clearance.moving.clearance import MovingClearance
+from ompl_risk.clearance.moving.obstacles import MovingBox, MovingSphere
 from ompl_risk.errors import ArgumentError
 from ompl_risk.probability import (
     BallSampling,

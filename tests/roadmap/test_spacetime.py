@@ -9,8 +9,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from moving_balls import Balls
 
-from ompl_risk.clearance.moving import MovingClearance
-from ompl_risk.clearance.moving_obstacles import MovingBox, MovingSphere
+from ompl_risk.clearance.moving.clearance import MovingClearance
+from ompl_risk.clearance.moving.obstacles import MovingBox, MovingSphere
 from ompl_risk.clearance.terrain import TerrainClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.planners.spacetime.earliest import RESOLUTION, earliest_arrival

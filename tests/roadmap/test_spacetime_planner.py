@@ -9,8 +9,8 @@ from ompl import base as ob
 from ompl import geometric as og
 
 from ompl_risk.bridge import ClearanceMotionValidator, ClearanceValidityChecker, RiskObjective
-from ompl_risk.clearance.moving import MovingClearance
-from ompl_risk.clearance.moving_obstacles import MovingBox, MovingSphere
+from ompl_risk.clearance.moving.clearance import MovingClearance
+from ompl_risk.clearance.moving.obstacles import MovingBox, MovingSphere
 from ompl_risk.clearance.terrain import TerrainClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion import Risk, motion_batch

@@ -5,10 +5,10 @@ from __future__ import annotations
 import numpy as np
 
 from ompl_risk import TerrainClearance
-from ompl_risk.simulation.air import Air
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.plans import Plan
-from ompl_risk.simulation.steered_seeds import upward_biases
+from ompl_risk.simulation.loop.air import Air
+from ompl_risk.simulation.loop.outcomes import Outcomes
+from ompl_risk.simulation.loop.plans import Plan
+from ompl_risk.simulation.rare.steered_seeds import upward_biases
 from ompl_risk.terrains import Terrain
 
 RADIUS = 5.0

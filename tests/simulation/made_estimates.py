@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from ompl_risk.simulation.estimate import CollisionEstimate
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate
 
 
 def estimate(hits, name: str = "A", **rest) -> CollisionEstimate:

@@ -7,9 +7,9 @@ from ompl_risk import TerrainClearance, Trajectory, terrains
 from ompl_risk.errors import ArgumentError
 from ompl_risk.simulation import budget as module
 from ompl_risk.simulation.budget import fastest_within
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.estimate import CollisionEstimate
-from ompl_risk.simulation.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate
 
 
 def planted(monkeypatch, probabilities):

@@ -12,20 +12,20 @@ from level_plan import LevelPlan, flat
 from ompl_risk import MeshClearance, TerrainClearance, Trajectory, UnionClearance
 from ompl_risk._kernels.air import LEFT_MAP, LOST_CONTROL, TOUCHED
 from ompl_risk._kernels.watch import CONTACT, TOLERANCE
-from ompl_risk.clearance.moving import MovingClearance
-from ompl_risk.clearance.moving_obstacles import MovingSphere
+from ompl_risk.clearance.moving.clearance import MovingClearance
+from ompl_risk.clearance.moving.obstacles import MovingSphere
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation import checking
-from ompl_risk.simulation.checking import fly_checked
 from ompl_risk.simulation.closed_loop import closed_loop_probability
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.gusts import DrydenGusts
-from ompl_risk.simulation.plans import Plan
-from ompl_risk.simulation.point_plan import PointPlan
-from ompl_risk.simulation.rollouts import fly
-from ompl_risk.simulation.terrain_error import TerrainError
-from ompl_risk.simulation.true_clearance import TrueClearance
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.gusts import DrydenGusts
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.loop import checking
+from ompl_risk.simulation.loop.checking import fly_checked
+from ompl_risk.simulation.loop.plans import Plan
+from ompl_risk.simulation.loop.point_plan import PointPlan
+from ompl_risk.simulation.loop.rollouts import fly
+from ompl_risk.simulation.loop.true_clearance import TrueClearance
 from ompl_risk.terrains import Terrain
 
 CALM = Disturbances()

@@ -20,14 +20,14 @@ from ompl_risk._kernels.air import COMPLETED
 from ompl_risk._kernels.lanes import LANES, answer
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.parameters import Limits
-from ompl_risk.simulation.air import air_for
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.gusts import DrydenGusts
-from ompl_risk.simulation.navigation import Drift, NavigationError
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.rollouts import fly
-from ompl_risk.simulation.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.gusts import DrydenGusts
+from ompl_risk.simulation.disturbances.navigation import Drift, NavigationError
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.loop.air import air_for
+from ompl_risk.simulation.loop.outcomes import Outcomes
+from ompl_risk.simulation.loop.rollouts import fly
 
 NOTHING = Drift((0.0, 0.0, 0.0), (0.0, 0.0, 0.0), 10.0)
 

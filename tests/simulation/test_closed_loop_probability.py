@@ -13,14 +13,14 @@ from scipy import stats
 from ompl_risk import Trajectory
 from ompl_risk.errors import ArgumentError
 from ompl_risk.simulation.closed_loop import as_plans, closed_loop_probability
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.helicopter_plan import HelicopterPlan
-from ompl_risk.simulation.intervals import counted
-from ompl_risk.simulation.paired import compare
-from ompl_risk.simulation.rollouts import fly
-from ompl_risk.simulation.terrain_error import TerrainError
-from ompl_risk.simulation.until import Count, Decided, Narrow
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.estimates.intervals import counted
+from ompl_risk.simulation.estimates.paired import compare
+from ompl_risk.simulation.estimates.until import Count, Decided, Narrow
+from ompl_risk.simulation.loop.helicopter_plan import HelicopterPlan
+from ompl_risk.simulation.loop.rollouts import fly
 
 SIGMA = 10.0
 CONSTANT = Disturbances(terrain=TerrainError(SIGMA, math.inf, waves=8))

@@ -12,11 +12,11 @@ from ompl_risk import TerrainClearance
 from ompl_risk._kernels import watch
 from ompl_risk._kernels.air import COMPLETED, LEFT_MAP, LOST_CONTROL, TOUCHED
 from ompl_risk._kernels.watch import CONTACT, TOLERANCE
-from ompl_risk.simulation.air import air_for
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.loop.air import air_for
+from ompl_risk.simulation.loop.outcomes import Outcomes
 from ompl_risk.terrains import Terrain
 
 FINE = 40

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.disturbances import LEVELS, Disturbances
-from ompl_risk.simulation.gusts import DrydenGusts
-from ompl_risk.simulation.navigation import NavigationError
-from ompl_risk.simulation.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.gusts import DrydenGusts
+from ompl_risk.simulation.disturbances.navigation import NavigationError
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import LEVELS, Disturbances
 
 TABLE = {  # W20 [kn], horizontal and vertical [m] at 95 %, roll, heading [deg], [m/s], map [m]
     "calm": (15, 1.062, 1.790, 0.2, 1.0, 0.1, 9.0 / 1.645),

@@ -12,9 +12,9 @@ from scipy.stats import kstest
 
 from ompl_risk._kernels import normals
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import Disturbances
 
 SOME = Disturbances(terrain=TerrainError(waves=5))
 

@@ -15,8 +15,8 @@ from scipy import stats
 
 from ompl_risk._kernels.air import LEFT_MAP, LOST_CONTROL, TOUCHED
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.estimate import CollisionEstimate
-from ompl_risk.simulation.intervals import counted, weighed
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate
+from ompl_risk.simulation.estimates.intervals import counted, weighed
 
 
 @pytest.mark.parametrize(("hits", "n"), [(0, 50), (3, 50), (50, 50)])

@@ -14,7 +14,7 @@ from scipy.signal import welch
 from ompl_risk._kernels import draws, normals
 from ompl_risk._kernels import gusts as kernels
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.gusts import X_CELL_DRAG, DrydenGusts
+from ompl_risk.simulation.disturbances.gusts import X_CELL_DRAG, DrydenGusts
 
 STATIONARY = np.array([[0.5, 0.25], [0.25, 0.25]])
 SHARES = np.array([math.sqrt(3.0), 1.0 - math.sqrt(3.0)])

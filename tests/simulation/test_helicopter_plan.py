@@ -13,7 +13,7 @@ from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.parameters import Limits
 from ompl_risk.helicopter.tracking import units
-from ompl_risk.simulation.helicopter_plan import EFFORT, TOLERATED, HelicopterPlan
+from ompl_risk.simulation.loop.helicopter_plan import EFFORT, TOLERATED, HelicopterPlan
 
 KEYS = [HOVER, CRUISE, TURN, CLIMB]
 SPANS = EFFORT * units(Limits(), X_CELL)

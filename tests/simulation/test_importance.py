@@ -14,16 +14,16 @@ from scipy import stats
 from ompl_risk import MeshClearance, TerrainClearance, Trajectory, UnionClearance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.simulation.closed_loop import closed_loop_probability
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.importance import Design, RaisedGround, wave_vectors
-from ompl_risk.simulation.navigation import Drift, NavigationError
-from ompl_risk.simulation.paired import compare
-from ompl_risk.simulation.point_plan import PointPlan
-from ompl_risk.simulation.raised_ground import PRECISION, lifts
-from ompl_risk.simulation.rollouts import fly
-from ompl_risk.simulation.steered_seeds import upward_biases, with_upward_biases
-from ompl_risk.simulation.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.navigation import Drift, NavigationError
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.estimates.paired import compare
+from ompl_risk.simulation.loop.point_plan import PointPlan
+from ompl_risk.simulation.loop.rollouts import fly
+from ompl_risk.simulation.rare.importance import Design, RaisedGround, wave_vectors
+from ompl_risk.simulation.rare.raised_ground import PRECISION, lifts
+from ompl_risk.simulation.rare.steered_seeds import upward_biases, with_upward_biases
 from ompl_risk.terrains import Terrain
 
 SIGMA = 10.0

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from ompl_risk._kernels import draws
 from ompl_risk._kernels import navigation as kernels
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.navigation import (
+from ompl_risk.simulation.disturbances.navigation import (
     Drift,
     NavigationError,
     gps_position,

@@ -12,8 +12,8 @@ from made_estimates import estimate, some
 from scipy import stats
 
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.intervals import paired_counts, paired_weights
-from ompl_risk.simulation.paired import compare
+from ompl_risk.simulation.estimates.intervals import paired_counts, paired_weights
+from ompl_risk.simulation.estimates.paired import compare
 
 
 def test_paired_bounds_of_a_published_example():

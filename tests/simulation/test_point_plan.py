@@ -14,14 +14,14 @@ from ompl_risk._kernels import gusts as gust_kernels
 from ompl_risk._kernels.watch import CONTACT
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.disturbances import Disturbances
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.gusts import DrydenGusts
-from ompl_risk.simulation.navigation import Drift, NavigationError
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.point_plan import SHARE, PointPlan, feedback_gains, rounded
-from ompl_risk.simulation.rollouts import fly
-from ompl_risk.simulation.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.disturbances.gusts import DrydenGusts
+from ompl_risk.simulation.disturbances.navigation import Drift, NavigationError
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.together import Disturbances
+from ompl_risk.simulation.loop.outcomes import Outcomes
+from ompl_risk.simulation.loop.point_plan import SHARE, PointPlan, feedback_gains, rounded
+from ompl_risk.simulation.loop.rollouts import fly
 from ompl_risk.trajectory import Trajectory
 
 FLAT = terrains.Terrain(np.zeros((101, 101)), spacing=(40.0, 40.0), origin=(-2000.0, -2000.0))

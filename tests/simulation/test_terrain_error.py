@@ -10,7 +10,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.terrain_error import TerrainError
+from ompl_risk.simulation.disturbances.terrain_error import TerrainError
 
 
 def amplitudes(field: TerrainError, count: int, seed: int = 0) -> np.ndarray:

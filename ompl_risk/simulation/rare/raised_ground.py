@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk.clearance import TerrainClearance
-from ompl_risk.simulation.clearance_parts import grounds
+from ompl_risk.simulation.loop.clearance_parts import grounds
 
 PRECISION = 0.01
 """Of a lift [m]."""

@@ -12,11 +12,11 @@ from scipy.special import log_ndtr, logsumexp
 
 from ompl_risk._arrays import FloatArray, real_number
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.clearance_parts import grounds
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.raised_ground import lifts
-from ompl_risk.simulation.steered_seeds import upward_biases, with_upward_biases
-from ompl_risk.simulation.until import whole
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.estimates.until import whole
+from ompl_risk.simulation.loop.clearance_parts import grounds
+from ompl_risk.simulation.rare.raised_ground import lifts
+from ompl_risk.simulation.rare.steered_seeds import upward_biases, with_upward_biases
 
 Floats = NDArray[np.float64]
 

@@ -18,12 +18,12 @@ from numpy.typing import NDArray
 from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels.air import LEFT_MAP, LOST_CONTROL, TOUCHED
 from ompl_risk._kernels.watch import CONTACT, SEGMENT, TOLERANCE
-from ompl_risk.simulation.draws import Draws
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.plans import Plan
-from ompl_risk.simulation.point_plan import PointPlan
-from ompl_risk.simulation.rollouts import fly
-from ompl_risk.simulation.true_clearance import TrueClearance
+from ompl_risk.simulation.disturbances.draws import Draws
+from ompl_risk.simulation.loop.outcomes import Outcomes
+from ompl_risk.simulation.loop.plans import Plan
+from ompl_risk.simulation.loop.point_plan import PointPlan
+from ompl_risk.simulation.loop.rollouts import fly
+from ompl_risk.simulation.loop.true_clearance import TrueClearance
 
 MEMORY = 2**26
 """Bytes that the traces of a batch may take."""

@@ -8,8 +8,8 @@ from typing import Any
 import numpy as np
 
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.estimate import CollisionEstimate
-from ompl_risk.simulation.intervals import paired_counts, paired_weights
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate
+from ompl_risk.simulation.estimates.intervals import paired_counts, paired_weights
 
 
 @dataclass(frozen=True)

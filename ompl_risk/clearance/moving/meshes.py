@@ -12,9 +12,9 @@ from ompl_risk._kernels import moving, moving_motions
 from ompl_risk._kernels.motion import CONTACT
 from ompl_risk._kernels.moving import Tracks
 from ompl_risk.clearance.mesh import MeshClearance
-from ompl_risk.clearance.moving_search import TimedMotions, lower_least, still_blocked
-from ompl_risk.clearance.safe_intervals import Spans, Wait
-from ompl_risk.clearance.travel import Travel
+from ompl_risk.clearance.moving.intervals import Spans, Wait
+from ompl_risk.clearance.moving.search import TimedMotions, lower_least, still_blocked
+from ompl_risk.clearance.moving.travel import Travel
 
 
 class Meshes:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from ompl_risk.clearance import TerrainClearance, UnionClearance
-from ompl_risk.clearance.moving import MovingClearance
+from ompl_risk.clearance.moving.clearance import MovingClearance
 
 
 def parts(clearance: Any) -> tuple[Any, ...]:

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike, NDArray
 from ompl_risk._arrays import FloatArray, readonly
 from ompl_risk._kernels import normals
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.disturbances import Disturbances
+from ompl_risk.simulation.disturbances.together import Disturbances
 
 
 @dataclass(frozen=True, eq=False, init=False)

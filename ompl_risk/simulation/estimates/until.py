@@ -14,7 +14,7 @@ from dataclasses import dataclass
 
 from ompl_risk._arrays import positive, real_number
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.estimate import CollisionEstimate
+from ompl_risk.simulation.estimates.estimate import CollisionEstimate
 
 GROWTH = 2
 """Each look has so many times the rollouts of the one before it."""

@@ -12,16 +12,16 @@ from numpy.typing import ArrayLike, NDArray
 from ompl_risk._arrays import FloatArray, positive
 from ompl_risk._kernels import moving, moving_motions
 from ompl_risk._kernels.motion import CONTACT
-from ompl_risk.clearance import moving_arguments as given
 from ompl_risk.clearance.base import as_length, as_queries
-from ompl_risk.clearance.moment import Moment
-from ompl_risk.clearance.moving_meshes import Meshes
-from ompl_risk.clearance.moving_obstacles import MovingMesh, MovingObstacle
-from ompl_risk.clearance.moving_search import Approach
-from ompl_risk.clearance.safe_intervals import SafeIntervals, Wait, the_rest
-from ompl_risk.clearance.static_part import StaticPart, resized
+from ompl_risk.clearance.moving import arguments as given
+from ompl_risk.clearance.moving.intervals import SafeIntervals, Wait, the_rest
+from ompl_risk.clearance.moving.meshes import Meshes
+from ompl_risk.clearance.moving.moment import Moment
+from ompl_risk.clearance.moving.obstacles import MovingMesh, MovingObstacle
+from ompl_risk.clearance.moving.search import Approach
+from ompl_risk.clearance.moving.static_part import StaticPart, resized
+from ompl_risk.clearance.moving.tracks import as_times, greatest_speed, packed
 from ompl_risk.clearance.threads import in_chunks, thread_count
-from ompl_risk.clearance.tracks import as_times, greatest_speed, packed
 from ompl_risk.errors import ArgumentError
 
 LEAST = 1024
@@ -55,7 +55,7 @@ class MovingClearance:
             or is for a sphere of another radius, or a bad radius or thread count.
 
     Example:
-        >>> from ompl_risk.clearance.moving_obstacles import MovingSphere
+        >>> from ompl_risk.clearance.moving.obstacles import MovingSphere
         >>> ball = MovingSphere(2.0, [0.0, 10.0], [[0.0, 0.0, 0.0], [100.0, 0.0, 0.0]])
         >>> MovingClearance(ball, radius=1.0)([[50.0, 8.0, 0.0]], [5.0])
         array([5.])

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 from ompl_risk._arrays import FloatArray, increasing_times, positive, readonly
 from ompl_risk._kernels.moving import Tracks
 from ompl_risk.clearance.mesh import MeshClearance
-from ompl_risk.clearance.tracks import greatest_speed, packed
+from ompl_risk.clearance.moving.tracks import greatest_speed, packed
 from ompl_risk.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -5,8 +5,8 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 
 from ompl_risk._arrays import FloatArray
-from ompl_risk.simulation.air import Air
-from ompl_risk.simulation.outcomes import Outcomes
+from ompl_risk.simulation.loop.air import Air
+from ompl_risk.simulation.loop.outcomes import Outcomes
 
 
 class Plan(ABC):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 from ompl_risk.ranking.export import number
 
 if TYPE_CHECKING:
-    from ompl_risk.simulation.estimate import CollisionEstimate
+    from ompl_risk.simulation.estimates.estimate import CollisionEstimate
 
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 """Of the quantiles of least clearance that are written."""

@@ -10,7 +10,7 @@ from ompl_risk._arrays import FloatArray
 from ompl_risk.clearance.base import Clearance
 
 if TYPE_CHECKING:
-    from ompl_risk.clearance.moving import MovingClearance
+    from ompl_risk.clearance.moving.clearance import MovingClearance
 
 
 class Moment(Clearance):

@@ -15,9 +15,9 @@ from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.flight_limits import BrokenLimit, broken_in_changes, broken_in_controls
 from ompl_risk.helicopter.parameters import Limits
 from ompl_risk.helicopter.tracking import DIFFERENCE, units
-from ompl_risk.simulation.air import Air
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.plans import Plan
+from ompl_risk.simulation.loop.air import Air
+from ompl_risk.simulation.loop.outcomes import Outcomes
+from ompl_risk.simulation.loop.plans import Plan
 
 TOLERATED = np.repeat([1.0, 0.3, 2.0, 1.0], 3)
 """Deviations that are equally bad: in place [m], attitude [rad], velocity [m/s], rates [rad/s].

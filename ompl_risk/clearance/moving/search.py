@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray
-from ompl_risk.clearance.travel import Travel, lowest
+from ompl_risk.clearance.moving.travel import Travel, lowest
 
 BLOCK = 16_384
 """Most pieces that are halved at a time: bounds the memory that they take."""

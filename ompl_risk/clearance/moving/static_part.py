@@ -11,10 +11,10 @@ from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import motions as terrain_motions
 from ompl_risk._kernels.motion import CONTACT
 from ompl_risk._kernels.shares import PARAMETERS, RADIUS
-from ompl_risk.clearance.moving_search import TimedMotions, lower_least
+from ompl_risk.clearance.moving.search import TimedMotions, lower_least
+from ompl_risk.clearance.moving.travel import Travel
 from ompl_risk.clearance.terrain import TerrainClearance
 from ompl_risk.clearance.threads import in_chunks
-from ompl_risk.clearance.travel import Travel
 from ompl_risk.clearance.union import UnionClearance
 from ompl_risk.errors import ArgumentError
 

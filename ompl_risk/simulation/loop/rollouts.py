@@ -9,9 +9,9 @@ import numpy as np
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.threads import in_chunks
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.air import air_for
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.plans import Plan
+from ompl_risk.simulation.loop.air import air_for
+from ompl_risk.simulation.loop.outcomes import Outcomes
+from ompl_risk.simulation.loop.plans import Plan
 
 LEAST = 8
 """Rollouts that are worth a thread."""

@@ -12,10 +12,10 @@ from ompl_risk._arrays import FloatArray, positive, readonly, real_number
 from ompl_risk._interpolation import linear
 from ompl_risk._kernels.point_loop import PointLoop, roll_out_point
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.air import Air, directions
-from ompl_risk.simulation.gusts import X_CELL_DRAG
-from ompl_risk.simulation.outcomes import Outcomes
-from ompl_risk.simulation.plans import Plan
+from ompl_risk.simulation.disturbances.gusts import X_CELL_DRAG
+from ompl_risk.simulation.loop.air import Air, directions
+from ompl_risk.simulation.loop.outcomes import Outcomes
+from ompl_risk.simulation.loop.plans import Plan
 from ompl_risk.trajectory import Trajectory
 
 SHARE = 0.6

@@ -6,14 +6,14 @@ from dataclasses import asdict, dataclass
 from typing import Any
 
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.gusts import DrydenGusts
-from ompl_risk.simulation.navigation import (
+from ompl_risk.simulation.disturbances.gusts import DrydenGusts
+from ompl_risk.simulation.disturbances.navigation import (
     NavigationError,
     gps_position,
     small_ahrs,
     small_velocity,
 )
-from ompl_risk.simulation.terrain_error import SRTM, SRTM_NORTH_AMERICA, TerrainError
+from ompl_risk.simulation.disturbances.terrain_error import SRTM, SRTM_NORTH_AMERICA, TerrainError
 
 KNOT = 1852.0 / 3600.0
 """[m/s]"""

@@ -11,10 +11,10 @@ from numpy.typing import ArrayLike
 
 from ompl_risk._arrays import real_number
 from ompl_risk.clearance.base import as_length, as_queries
-from ompl_risk.clearance.moving_obstacles import MovingObstacle
-from ompl_risk.clearance.moving_search import TimedMotions
-from ompl_risk.clearance.static_part import radii
-from ompl_risk.clearance.tracks import as_times
+from ompl_risk.clearance.moving.obstacles import MovingObstacle
+from ompl_risk.clearance.moving.search import TimedMotions
+from ompl_risk.clearance.moving.static_part import radii
+from ompl_risk.clearance.moving.tracks import as_times
 from ompl_risk.errors import ArgumentError
 
 TIMELESS = (

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels import terrain_error
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.clearance_parts import grounds, parts
+from ompl_risk.simulation.loop.clearance_parts import grounds, parts
 
 
 class TrueClearance:

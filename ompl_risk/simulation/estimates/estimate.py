@@ -12,8 +12,8 @@ from numpy.typing import ArrayLike, NDArray
 from ompl_risk._arrays import FloatArray, as_floats, positive, readonly, real_number
 from ompl_risk._kernels.air import LEFT_MAP, LOST_CONTROL, TOUCHED
 from ompl_risk.errors import ArgumentError
-from ompl_risk.simulation.estimate_export import LEVELS, as_dict, sentence
-from ompl_risk.simulation.intervals import counted, weighed
+from ompl_risk.simulation.estimates.export import LEVELS, as_dict, sentence
+from ompl_risk.simulation.estimates.intervals import counted, weighed
 
 
 @dataclass(frozen=True, eq=False)

@@ -1,0 +1,1 @@
+"""The plans of vehicles, and how each follows its own in closed loop."""
