@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.table import Table
 
-from ompl_risk.cli.finding import Found
+from ompl_risk.cli.finding import Found, Way
 from ompl_risk.cli.progress import progress_bar
 from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.scene import Scene
@@ -109,16 +109,18 @@ def spend_budget(
     if result.chosen is None:
         outcome = (
             f"no path with a probability of collision of at most {budget:g} in "
-            f"{settings.disturbances} disturbances: the least upper bound of "
-            f"{len(result.tried)} paths is {result.tried[result.nearest].upper_bound():.3g}"
+            f"{settings.disturbances} disturbances: {len(result.tried)} of {len(candidates)} were "
+            f"tried, of which the least upper bound is "
+            f"{result.tried[result.nearest].upper_bound():.3g}"
         )
         raise PlanningError(outcome, "raise --ceiling, --min-clearance or --samples, or allow more")
     written = _write_path(made[result.chosen], folder)
     estimate = result.tried[result.chosen]
-    seen = replace(estimate, name="")
     console.print(
-        f"Fastest path within {budget:g}: {durations[result.chosen]:.1f} s, {seen}; at most "
-        f"{estimate.upper_bound():.3g} with all trials counted. Written: budget.json, {written}",
+        f"Fastest path within {budget:g}: {durations[result.chosen]:.1f} s. {estimate.hits:,} of "
+        f"{estimate.rollouts:,} rollouts collide, so its probability is at most "
+        f"{estimate.upper_bound():.3g} ({100.0 * result.confidence:g} %, all trials counted: "
+        f"{len(result.tried)} of {len(candidates)} paths). Written: budget.json, {written}",
         soft_wrap=True,
         markup=False,
         highlight=False,
@@ -126,11 +128,13 @@ def spend_budget(
 
 
 def _candidates(found: Found) -> Sequence[Callable[[], Any]]:
-    """Ways to make each candidate, in order of duration."""
-    if found.ways:
-        return found.ways
+    """What makes each candidate, in order of duration.
+
+    Alternatives have been smoothed, so they may be faster than the Pareto set of the roadmap.
+    """
     flown = found.flights or found.trajectories
-    return [lambda one=one: one for one in sorted(flown, key=lambda one: one.duration)]
+    ways = [*found.ways, *(Way(one.duration, lambda one=one: one) for one in flown)]
+    return [way.made for way in sorted(ways, key=lambda way: way.duration)]
 
 
 def _table(result: Budgeted, durations: dict[int, float]) -> Table:

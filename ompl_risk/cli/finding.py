@@ -5,13 +5,25 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.trajectory import Trajectory
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+
+class Way(NamedTuple):
+    """A path that is only made if it is needed.
+
+    Attributes:
+        duration: [s].
+        made: makes it, a flight or trajectory.
+    """
+
+    duration: float
+    made: Callable[[], Any]
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +37,7 @@ class Found:
         separation: least Frechet distance between two of them [m].
         facts: what else the provenance should tell.
         flights: how a vehicle with dynamics flies them, in the same order; none for a point.
-        ways: make each path of the roadmap's Pareto set, a flight or trajectory, the fastest first;
-            only if a risk budget has a use for them.
+        ways: the roadmap's Pareto set; only if a risk budget has a use for it.
     """
 
     trajectories: Sequence[Trajectory]
@@ -35,7 +46,7 @@ class Found:
     separation: float
     facts: Mapping[str, Any] = field(default_factory=dict)
     flights: Sequence[Any] = ()
-    ways: Sequence[Callable[[], Any]] = ()
+    ways: Sequence[Way] = ()
 
 
 class Finder(ABC):

@@ -7,7 +7,7 @@ from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from ompl_risk import planners
-from ompl_risk.cli.finding import Finder, Found
+from ompl_risk.cli.finding import Finder, Found, Way
 from ompl_risk.cli.pareto import write_pareto
 from ompl_risk.cli.progress import progress_bar
 from ompl_risk.cli.run_folder import RunFolder
@@ -98,14 +98,16 @@ def has_use_for_front(settings: PlanSettings) -> bool:
     return settings.pareto or settings.max_collision_probability is not None
 
 
-def ways_of(front: Front | None, made: Callable[[Route], Any]) -> Sequence[Callable[[], Any]]:
-    """What makes each path of a Pareto set, the fastest first.
+def ways_of(front: Front | None, made: Callable[[Route], Any]) -> Sequence[Way]:
+    """The paths of a Pareto set, the fastest first.
 
     Args:
         front: the set; none if there is no use for it.
         made: a route as a trajectory or flight.
     """
-    return [] if front is None else [partial(made, route) for route in front.routes]
+    if front is None:
+        return []
+    return [Way(route.duration, partial(made, route)) for route in front.routes]
 
 
 def norm_of(settings: PlanSettings, problem: planners.Problem) -> Norm:

@@ -44,7 +44,7 @@ class JudgeSettings:
         duration_tolerance: relative spread of durations within which norms compare.
         rollouts: also fly each path so often in wind, navigation and terrain error, and rank by how
             often it collides.
-        disturbances: how strong these are.
+        disturbances: how strong wind, navigation and terrain error are.
         output: folder for the results, new or empty; runs/TIME if left out.
     """
 
@@ -90,8 +90,9 @@ class PlanSettings(JudgeSettings):
             helicopter, whose roadmap has a vertex for every cruise speed at each, if left out.
         roadmap_norm: norm that the roadmap counts risk by: L1, L2, any Lp, Linf, H1.
         pareto: also find all paths of the roadmap that no other undercuts in duration and risk.
-        max_collision_probability: also find the fastest path of the roadmap that, flown in those
-            disturbances, surely collides no more often than this.
+        max_collision_probability: also find the fastest path, of the alternatives and of the
+            roadmap's Pareto set, whose probability of collision in these disturbances is for sure
+            (95 %) no greater than this.
         animation: also write a film of the helicopter's safest flight by the last norm: the minute
             around the place where it is nearest to the ground on its way. mp4 needs ffmpeg.
         searches: criteria that planners of OMPL plan by, each "length" or norm@clearance such as

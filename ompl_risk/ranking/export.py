@@ -111,13 +111,16 @@ def _assessment(a: Assessment, segments: int) -> dict[str, Any]:
     }
 
 
-def _estimate(estimate: Estimate | None) -> dict[str, float] | None:
+def _estimate(estimate: Estimate | None) -> dict[str, Any] | None:
+    """The probability with its bounds, and with what they rest on where the estimate tells."""
     if estimate is None:
         return None
+    known = {field: getattr(estimate, field, None) for field in ("hits", "rollouts", "confidence")}
     return {
         "probability": float(estimate.probability),
         "probability_low": float(estimate.low),
         "probability_high": float(estimate.high),
+        **{field: value for field, value in known.items() if value is not None},
     }
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -39,12 +39,14 @@ def given_probabilities(
         names: of the trajectories.
 
     Raises:
-        ArgumentError: something else, other names or another number of them, or one kind for
-            some of the trajectories only.
+        ArgumentError: something else, other names or another number of them, an estimate that has
+            the name of another trajectory, or one kind for some of the trajectories only.
     """
     if probability is None:
         return {name: Given() for name in names}
     if not isinstance(probability, Mapping):
+        if isinstance(probability, str) or not isinstance(probability, Iterable):
+            raise ArgumentError("probability", probability, "a list, or a dictionary by name")
         probability = tuple(probability)
         if len(probability) != len(names):
             raise ArgumentError("len(probability)", len(probability), f"{len(names)}: one each")
@@ -53,6 +55,10 @@ def given_probabilities(
         allowed = f"a profile or estimate for each of {list(names)}"
         raise ArgumentError("probability", sorted(probability), allowed)
     found = {name: _sorted_out(name, probability[name]) for name in names}
+    for name, given in found.items():
+        other = getattr(given.estimate, "name", name)
+        if other != name and other in names:
+            raise ArgumentError(f"probability[{name!r}]", f"that of {other!r}", f"that of {name!r}")
     for kind in ("profile", "estimate"):
         without = [name for name in names if getattr(found[name], kind) is None]
         if 0 < len(without) < len(names):

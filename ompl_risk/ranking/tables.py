@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 from rich.console import Group, RenderableType
+from rich.markup import escape
 from rich.table import Table
 from rich.text import Text
 
@@ -52,10 +53,10 @@ def render(ranking: Ranking) -> RenderableType:
 
 def trajectory_table(ranking: Ranking) -> Table:
     """Duration, length and closest approach, a row for each trajectory."""
-    table = Table(title="Trajectories", title_justify="left")
+    table = _titled("Trajectories")
     table.add_column("trajectory")
     for heading in ("duration [s]", "length [m]", "least clearance [m]", "at t [s]"):
-        table.add_column(heading, justify="right")
+        table.add_column(Text(heading), justify="right")  # "[s]" would be markup
     for a in ranking.assessments:
         numbers = (a.duration, a.length, a.min_clearance, a.min_clearance_time)
         style = RISKIEST if a.collides else ""
@@ -67,7 +68,7 @@ def norm_table(
     ranking: Ranking, title: str, orders: Mapping[str, tuple[str, ...]], *, of_probability: bool
 ) -> Table:
     """The norms of f or of the probability of collision; * marks the safest by each."""
-    table = Table(title=title, title_justify="left")
+    table = _titled(title)
     table.add_column("trajectory")
     for norm in ranking.norms:
         unit = norm_unit(norm, of="1" if of_probability else ranking.avoidance.unit)
@@ -80,16 +81,16 @@ def norm_table(
 
 def probability_table(ranking: Ranking) -> Table:
     """The probability that the whole trajectory ends in collision, and how sure that is."""
-    table = Table(title="Probability of a collision (* least)", title_justify="left")
+    table = _titled("Probability of a collision (* least)")
     table.add_column("trajectory")
     for heading in ("estimate", "at least", "at most"):
         table.add_column(heading, justify="right")
     table.add_column("")
-    least = ranking.probability_order[0]
+    least = min(a.estimate.probability for a in ranking.assessments if a.estimate is not None)
     for a in ranking.assessments:
         if a.estimate is None:
             continue
-        star, style = ("* ", SAFEST) if a.name == least else ("", "")
+        star, style = ("* ", SAFEST) if a.estimate.probability == least else ("", "")
         bounds = (f"{p:.3g}" for p in (a.estimate.low, a.estimate.high))
         # a bare 0 would say more than was found
         estimate = f"{a.estimate.probability:.3g}" if a.estimate.probability > 0.0 else "none seen"
@@ -99,14 +100,19 @@ def probability_table(ranking: Ranking) -> Table:
 
 
 def _counts(estimate: Estimate) -> str:
-    """Hits and rollouts, where the estimate has them."""
+    """Hits and rollouts, where the estimate has them; and what weights may hide."""
     hits, rollouts = getattr(estimate, "hits", None), getattr(estimate, "rollouts", None)
-    return "" if hits is None or rollouts is None else f"{hits:,} of {rollouts:,} rollouts"
+    if hits is None or rollouts is None:
+        return ""
+    counts = f"{hits:,} of {rollouts:,} rollouts"
+    if getattr(estimate, "weights", None) is None:
+        return counts
+    return f"{counts}, weighted;\nwhatever was missed at most {estimate.upper_bound():.3g}"
 
 
 def order_table(ranking: Ranking) -> Table:
     """The order of the trajectories by each norm."""
-    table = Table(title="From safest to riskiest", title_justify="left")
+    table = _titled("From safest to riskiest")
     table.add_column("by")
     table.add_column("order")
     for label, order in ranking.orders.items():
@@ -120,7 +126,7 @@ def order_table(ranking: Ranking) -> Table:
 
 def agreement_table(agreement: Agreement, title: str) -> Table:
     """Kendall's tau-b, a row and a column for each norm."""
-    table = Table(title=title, title_justify="left")
+    table = _titled(title)
     table.add_column("")
     for label in agreement.columns:
         table.add_column(Text(label), justify="right")
@@ -132,7 +138,7 @@ def agreement_table(agreement: Agreement, title: str) -> Table:
 def attributions(ranking: Ranking) -> Table:
     """Where the last norm's risk comes from, a sentence for each trajectory."""
     label = ranking.labels[-1]
-    table = Table(title=f"Where {label} comes from".replace("[", "\\["), title_justify="left")
+    table = _titled(f"Where {label} comes from")
     table.add_column("trajectory")
     table.add_column("")
     for a in ranking.assessments:
@@ -149,6 +155,11 @@ def duration_note(ranking: Ranking) -> Text:
         f"Not beaten in both duration and norm: {fronts}.",
         style="yellow",
     )
+
+
+def _titled(title: str) -> Table:
+    """A table that is as wide as its title: a narrower one would break it."""
+    return Table(title=escape(title), title_justify="left", min_width=len(title))
 
 
 def _value(

@@ -17,4 +17,5 @@ from ompl_risk.simulation.estimates.until import Narrow as Narrow
 from ompl_risk.simulation.loop.helicopter_plan import HelicopterPlan as HelicopterPlan
 from ompl_risk.simulation.loop.plans import Plan as Plan
 from ompl_risk.simulation.loop.point_plan import PointPlan as PointPlan
+from ompl_risk.simulation.prediction import predicted_probability as predicted_probability
 from ompl_risk.simulation.rare.importance import RaisedGround as RaisedGround

@@ -7,6 +7,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
+import numpy as np
+
 from ompl_risk._arrays import real_number
 from ompl_risk.errors import ArgumentError
 from ompl_risk.simulation.closed_loop import closed_loop_probability
@@ -77,11 +79,15 @@ def fastest_within(
     flown in a closed loop until it is sure on which side of the budget it is, or ``most`` rollouts
     have not told. Some ``COARSE`` of them are tried in order until one keeps to the budget, then
     those between it and the one before by halving. So if the probability falls along the
-    candidates the fastest of all is found, and if not, one that still keeps to the budget.
+    candidates, the fastest is found of those that so many rollouts can tell from the budget. If it
+    does not, what is found still keeps to it, but a faster one that was not tried may do so too;
+    and if nothing is found, so may one that was not tried.
 
     Since the best of several trials is taken, each has its share of the error (Bonferroni): with
     probability ``confidence`` no candidate that is worse than the budget is accepted, however many
-    were tried.
+    were tried. What has been seen decides which candidate comes next, so each is flown with random
+    numbers of its own: with common ones those that let one pass would choose the next as well, and
+    it would be wrong more often than its share.
 
     Args:
         plan: plan(k) makes the k-th candidate, for ``closed_loop_probability``; only those that
@@ -91,7 +97,8 @@ def fastest_within(
         disturbances: what the plans do not know.
         budget: greatest probability of collision, between 0 and 1.
         confidence: that the chosen one keeps to it.
-        seed: of all random numbers.
+        seed: of all random numbers; each candidate's come of it and its place, and are told by its
+            estimate.
         most: rollouts of a candidate, at most; ``PATIENCE`` times those that would do if none
             collided, if left out. Fewer than those can never accept any.
         threads: at a time; None uses all processors.
@@ -107,6 +114,7 @@ def fastest_within(
     sure = real_number("confidence", confidence, "between 0 and 1")
     if not 0.0 < sure < 1.0:
         raise ArgumentError("confidence", confidence, "between 0 and 1")
+    seed = whole("seed", seed, least=0)
     trials = len(_coarse(candidates)) + candidates.bit_length()
     each = 1.0 - (1.0 - sure) / trials
     rule = Decided(allowed, _most(allowed, each) if most is None else whole("most", most))
@@ -115,13 +123,19 @@ def fastest_within(
     def keeps(place: int) -> bool:
         (tried[place],) = closed_loop_probability(
             plan(place), clearance, disturbances,
-            seed=seed, confidence=each, threads=threads, until=rule,
+            seed=_own(seed, place), confidence=each, threads=threads, until=rule,
         )  # fmt: skip
         on_trial(place, tried[place])
         return tried[place].decided(allowed) == "below"
 
     chosen = _first(keeps, candidates)
     return Budgeted(allowed, sure, chosen, tried, candidates)
+
+
+def _own(seed: int, place: int) -> int:
+    """The seed of a candidate's rollouts, which no other candidate shares."""
+    word = np.random.SeedSequence([seed, place]).generate_state(1, np.uint64)[0]
+    return int(word >> np.uint64(1))
 
 
 def _most(budget: float, confidence: float) -> int:

@@ -269,6 +269,9 @@ class RiskRoadmap(ob.Planner):
         return pareto_routes(self._planned(), longest=longest, precision=precision)
 
     def _planned(self) -> Roadmap:
+        if self._timed is not None:
+            allowed = "not over space-time, where only the earliest arrival is planned"
+            raise ArgumentError("planner", "RiskRoadmap", allowed)
         roadmap = self.roadmap
         if roadmap is None or not roadmap.starts:
             raise ArgumentError("planner", "RiskRoadmap without a roadmap", "solved with before")

@@ -18,7 +18,7 @@ from ompl_risk.planners.spacetime.earliest import arrive_first, never
 from ompl_risk.planners.spacetime.network import Network
 from ompl_risk.planners.spacetime.route import Arrival, TimedRoute
 from ompl_risk.planners.spacetime.search import Stop
-from ompl_risk.planners.spacetime.stays import Stays
+from ompl_risk.planners.spacetime.stays import Hovering, Stays
 
 FIRST = 250
 """Places sampled for the first network; after that as many as there are."""
@@ -98,12 +98,17 @@ class TimedRoadmap:
         """Number of places."""
         return len(self.places)
 
+    @property
+    def earliest(self) -> float:
+        """No route arrives before this, as the crow flies [s]."""
+        return float(self._through(self.places[: self._k]).min())
+
     def nothing_to_gain(self) -> bool:
         """Whether no route can arrive earlier than the best."""
         if self.best is None:
             return False
-        least = float(self._through(self.places[: self._k]).min())
-        return self.best.arrival - least <= NOTHING * (self.best.arrival - self.best.depart)
+        gain = self.best.arrival - self.earliest
+        return gain <= NOTHING * (self.best.arrival - self.best.depart)
 
     def grow(self, n: int) -> None:
         """Draw n places and keep those that matter, instead of the old ones if these are many."""
@@ -142,18 +147,31 @@ class TimedRoadmap:
         search: int,
         stop: Stop,
     ) -> Arrival:
-        found = arrive_first(
-            network,
-            self._clearance,
-            starts,
-            goals,
-            speed=self._speed,
-            latest=latest,
-            stays=self._stays(search),
-            stop=stop,
-        )
-        self.evaluated += found.evaluated
-        return found
+        """The way that arrives first; where the vehicle cannot wait, among all that never do.
+
+        To a vehicle that could wait every such way is open too, and its search is far shorter. So
+        if it finds none there is none, and if the way that it finds never waits it is the first.
+        """
+
+        def first(stays: Stays) -> Arrival:
+            found = arrive_first(
+                network,
+                self._clearance,
+                starts,
+                goals,
+                speed=self._speed,
+                latest=latest,
+                stays=stays,
+                stop=stop,
+            )
+            self.evaluated += found.evaluated
+            return found
+
+        stays = self._stays(search)
+        found = first(Hovering())
+        if isinstance(stays, Hovering) or found.route is None or not found.route.waits:
+            return found
+        return first(stays)
 
     def improve(self, stop: Stop = never) -> bool:
         """Look for an earlier arrival near the best route: straighter, or past other corners."""

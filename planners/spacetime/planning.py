@@ -21,6 +21,7 @@ from ompl_risk.planners.roadmap.anytime import Progress
 from ompl_risk.planners.roadmap.goals import FIRST as GOALS
 from ompl_risk.planners.roadmap.region import Region
 from ompl_risk.planners.roadmap.setting import bounds_of
+from ompl_risk.planners.spacetime.earliest import RESOLUTION
 from ompl_risk.planners.spacetime.growing import FIRST, TimedRoadmap
 from ompl_risk.planners.spacetime.route import TimedRoute
 from ompl_risk.planners.spacetime.stays import Hovering, Passing, Stays
@@ -122,6 +123,9 @@ class SpaceTimePlanning:
         if wrong is not None:
             return ob.PlannerStatus(wrong)
         roadmap = self._opened()
+        self.reason = self._impossible(roadmap)
+        if self.reason:
+            return ob.PlannerStatus(ob.PlannerStatus.INVALID_GOAL)
         most = roadmap.sampled + samples if samples is not None else None
         began = time.perf_counter()
         while not (condition() or roadmap.nothing_to_gain()):
@@ -160,6 +164,19 @@ class SpaceTimePlanning:
                 threads=self._threads,
             )
         return self._roadmap
+
+    def _impossible(self, roadmap: TimedRoadmap) -> str:
+        """Why no roadmap, however large, could have a path; empty if it may."""
+        if roadmap.earliest > self._latest:
+            return (
+                f"straight flight at vMax = {self._space.getVMax():g} m/s arrives at "
+                f"t = {roadmap.earliest:.6g} s, but time ends at {self._latest:g} s"
+            )
+        goals, begin = np.array(self._goals)[:, :3], min(float(one[3]) for one in self._starts)
+        spans = moving_clearance(self._si).free_intervals(
+            goals, begin, self._latest, resolution=RESOLUTION
+        )
+        return "" if any(spans) else f"the goal is never free until t = {self._latest:g} s"
 
     def _box(self) -> Region:
         return Region(*bounds_of(self._space.getSpaceComponent()), seed=self._seed)

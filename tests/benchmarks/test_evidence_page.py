@@ -117,6 +117,16 @@ def test_the_numbers_of_the_answer_are_those_of_the_data(findings):
     assert difference("tau", tau.by_unit) in text
 
 
+def test_drawing_lots_is_right_more_often_where_the_judge_ties(findings):
+    values = np.where(np.arange(5) < 3, 0.0, 0.5)  # three of five never collide
+    judge = dataclasses.replace(
+        findings.judge, values=np.broadcast_to(values, findings.judge.values.shape)
+    )
+    tied = dataclasses.replace(findings, judge=judge)
+    assert tied.chance == pytest.approx(0.6)
+    assert "drawing lots would in 60 %" in next(answer(tied))
+
+
 def test_the_answer_says_whether_the_target_is_reached():
     def made(mean, low, metric):
         interval = Interval(mean, low, mean + 0.1)

@@ -20,6 +20,7 @@ from benchmarks.evidence.analysis.settings import (
     ExpectedCollisions,
     NormOf,
     OfDistance,
+    OutcrossingOf,
     Product,
     evaluated,
 )
@@ -30,6 +31,7 @@ from ompl_risk.avoidance import FlatCap, GaussianTail
 from ompl_risk.avoidance.corrections import corrected_cap, corrected_tail
 from ompl_risk.errors import FileError
 from ompl_risk.probability.crossings import CrossingRate
+from ompl_risk.probability.outcrossing import Outcrossing
 
 NORMS = (
     Lp(1), Lp(1.5), Lp(2), Lp(8), Lp(math.inf), Sobolev(1), Sobolev(1, time_scale=0.1),
@@ -45,6 +47,16 @@ def rows():
 @pytest.fixture(scope="module")
 def table(rows, tmp_path_factory):
     return read(write(tmp_path_factory.mktemp("evidence") / "table.parquet", rows))
+
+
+def test_outcrossing_of_all_flights_is_that_of_each(table):
+    model = Outcrossing(8.0, 6.0, correlation_time=5.0)
+    profiles = table.profiles
+    found = OutcrossingOf(model)(profiles)
+    for k in range(0, len(profiles), 4):
+        flight = profiles.flight(k)
+        one = model.probability(flight["t"], flight["d"], flight["up"])
+        assert found[k] == pytest.approx(one, rel=1e-9, abs=1e-15)
 
 
 def profiles_of(*flights):

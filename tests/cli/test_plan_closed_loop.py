@@ -43,6 +43,8 @@ def test_chosen_path_keeps_to_the_budget_in_other_disturbances_too(budgeted, wal
     assert chosen["upper_bound"] <= 0.2
     faster = [one for one in said["tried"] if one["duration"] < chosen["duration"] - 1e-9]
     assert all(one["upper_bound"] > 0.2 for one in faster)
+    alternatives = [one["duration"] for one in read_ranking(budgeted)["trajectories"]]
+    assert min(one["duration"] for one in said["tried"]) <= min(alternatives) + 1e-9
     path = read_trajectory(budgeted / "chosen.csv")
     assert path.duration == pytest.approx(chosen["duration"])
     (again,) = simulation.closed_loop_probability(

@@ -107,6 +107,10 @@ def test_tables_fit_80_columns_and_keep_brackets(ranking):
     text = printed(ranking)
     assert "…" not in text
     assert "high  [low]  hit" in text
+    for heading in ("duration [s]", "length [m]", "clearance [m]", "at t [s]"):
+        assert heading in text
+    for title in ("From safest to riskiest", "Kendall tau-b between norms"):
+        assert title in text
     assert "* 0.025" in text  # the safest by L1
     assert "collides, first at t = 0.0 s near (0, 0) m" in text
     assert "of H1 between t = " in text

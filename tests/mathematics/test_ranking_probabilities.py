@@ -8,6 +8,7 @@ import pytest
 
 from ompl_risk import InverseDistance, Trajectory, rank
 from ompl_risk.errors import ArgumentError
+from ompl_risk.simulation import CollisionEstimate
 
 
 def estimate(p, half=0.01):
@@ -67,6 +68,46 @@ def test_a_zero_is_never_bare(flights):
     assert "0.01" in line
 
 
+def test_all_of_the_least_are_marked(flights):
+    text = str(ranked(flights, [estimate(0.3), estimate(0.0), estimate(0.0)]))
+    assert text.count("* none seen") == 2
+
+
+def flown(name, hits, weight=None):
+    collided = np.full(100, np.inf)
+    collided[:hits] = 1.0
+    weights = None if weight is None else np.full(100, weight)
+    nothing = np.zeros(100)
+    return CollisionEstimate(
+        name, nothing, nothing, np.zeros((100, 3)), collided, weights=weights, heaviest=4.0
+    )
+
+
+def test_weighted_rollouts_say_what_they_may_have_missed(flights):
+    estimates = [flown(one.name, 5, 1e-3) for one in flights]
+    text = str(ranked(flights, estimates))
+    assert text.count("5 of 100 rollouts, weighted") == 3
+    assert text.count(f"whatever was missed at most {estimates[0].upper_bound():.3g}") == 3
+    plain = str(ranked(flights, [flown(one.name, 5) for one in flights]))
+    assert "5 of 100 rollouts" in plain
+    assert "weighted" not in plain
+
+
+def test_exports_say_what_estimates_rest_on(flights):
+    ranking = ranked(flights, [flown(one.name, 5) for one in flights])
+    said = json.loads(ranking.to_json())["trajectories"][0]["probability"]
+    assert (said["hits"], said["rollouts"], said["confidence"]) == (5, 100, 0.95)
+    assert ranking.to_pandas().loc["low", "rollouts"] == 100
+
+
+def test_an_estimate_of_another_trajectory_is_refused(flights):
+    estimates = [flown(one.name, k) for k, one in enumerate(flights)]
+    assert ranked(flights, estimates).probability_order == ("low", "high", "middle")
+    with pytest.raises(ArgumentError, match=r"\['low'\] = \"that of 'middle'\""):
+        ranked(flights, estimates[::-1])
+    assert ranked(flights, [flown("", k) for k in range(3)]).has_estimates
+
+
 def test_exports(flights):
     ranking = ranked(flights, [estimate(0.3), estimate(0.01), estimate(0.1)])
     data = json.loads(ranking.to_json())
@@ -79,6 +120,8 @@ def test_exports(flights):
 @pytest.mark.parametrize(
     ("given", "named"),
     [
+        (estimate(0.1), "probability = .*must be a list"),
+        ("high", "probability = 'high'"),
         ([estimate(0.1)], r"len\(probability\)"),
         ({"low": estimate(0.1)}, "probability"),
         ([0.3, 0.1, 0.2], r"probability\['low'\]"),

@@ -130,6 +130,15 @@ def test_a_vehicle_that_cannot_hover_never_stands_still():
     assert waiting.flown.t[-1] < flown.t[-1] < waiting.flown.t[-1] + 3.0
 
 
+def test_a_vehicle_that_cannot_hover_takes_a_way_without_waits_at_once():
+    walls = [MovingBox([5, 60, 300], [0, 1], [[x, y, 50]] * 2) for x, y in ((40, 30), (60, 70))]
+    hovering = Scene(MovingClearance(walls, radius=1.0), iterations=500)
+    passing = Scene(MovingClearance(walls, radius=1.0), iterations=500, can_wait=False)
+    assert is_exact(hovering.solve())
+    assert is_exact(passing.solve())
+    assert hovering.planner.trajectory().t.tolist() == passing.planner.trajectory().t.tolist()
+
+
 def test_a_free_way_is_straight_and_done_at_once():
     away = MovingSphere(1.0, [0, 1], [[0, 0, 500]] * 2)
     scene = Scene(MovingClearance(away))
@@ -423,8 +432,19 @@ class TestWrongUse:
         scene = Scene(iterations=150)
         scene.solve()
         for wrong in (scene.planner.alternatives, scene.planner.pareto):
-            with pytest.raises(ArgumentError):
+            with pytest.raises(ArgumentError, match="space-time"):
                 wrong()
+
+    def test_a_goal_farther_than_flight_can_come(self):
+        scene = Scene(end=7.9)
+        assert scene.solve().asString() == "Invalid goal"
+        assert "straight flight at vMax = 10 m/s arrives at t = 8 s" in scene.planner.reason
+
+    def test_a_goal_that_is_never_free(self):
+        flat = TerrainClearance(Terrain(np.full((11, 11), 20.0), spacing=(10.0, 10.0)), 1.0)
+        scene = Scene(MovingClearance(door(), static=flat)).between((10, 50, 50, 0), (90, 50, 9, 0))
+        assert scene.solve().asString() == "Invalid goal"
+        assert scene.planner.reason == "the goal is never free until t = 60 s"
 
 
 def test_a_path_of_another_planner_that_arrives_earlier_stays():

@@ -17,7 +17,7 @@ def planted(monkeypatch, probabilities):
     asked = []
 
     def stand_in(place, _clearance, _disturbances, *, seed, confidence, threads, until):
-        asked.append((place, confidence))
+        asked.append((place, confidence, seed))
         random = np.random.default_rng([seed, place])
         looks = until.looks(confidence)
         hit = random.random(looks[-1]) < probabilities[place]
@@ -67,7 +67,22 @@ def test_doubtful_candidates_are_not_chosen(monkeypatch):
 def test_error_is_shared_out_among_the_trials(monkeypatch):
     asked = planted(monkeypatch, [0.05] * 40)
     search([0.05] * 40, confidence=0.9)
-    assert all(confidence == pytest.approx(1 - 0.1 / (16 + 6)) for _, confidence in asked)
+    assert all(confidence == pytest.approx(1 - 0.1 / (16 + 6)) for _, confidence, _ in asked)
+
+
+def test_each_trial_has_random_numbers_of_its_own(monkeypatch):
+    """With common ones a lucky sample would choose the next trial as well as pass it."""
+    probabilities = np.where(np.arange(40) < 30, 0.05, 1e-3)
+    asked = planted(monkeypatch, probabilities)
+    search(probabilities, seed=3)
+    once = {place: seed for place, _, seed in asked}
+    assert len(set(once.values())) == len(asked) > 10
+    asked.clear()
+    search(probabilities, seed=3)
+    assert {place: seed for place, _, seed in asked} == once
+    asked.clear()
+    search(probabilities, seed=4)
+    assert not {seed for _, _, seed in asked} & set(once.values())
 
 
 def test_confidence_holds_over_many_searches(monkeypatch):
@@ -102,6 +117,7 @@ def test_flights_over_an_uncertain_plain():
         ({"budget": 1.0}, "budget"),
         ({"confidence": 1.0}, "confidence"),
         ({"most": 0}, "most"),
+        ({"seed": -1}, "seed"),
     ],
 )
 def test_wrong_values_are_refused(options, named):

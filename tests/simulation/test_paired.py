@@ -68,6 +68,7 @@ def test_the_error_of_a_difference_is_shared_out_among_the_looks_too():
     first, second = some(9, 100, looks=5), some(2, 100, name="B", looks=2)
     found = compare(first, second)
     assert (found.low, found.high) == pytest.approx(paired_counts(7, 0, 100, 0.005))
+    assert found.p_value == pytest.approx(5 * 2.0 * 0.5**7)
 
 
 def test_compare_weighs_hits():

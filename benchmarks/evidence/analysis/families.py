@@ -15,10 +15,12 @@ from benchmarks.evidence.analysis.settings import (
     Integrand,
     NormOf,
     OfDistance,
+    OutcrossingOf,
 )
 from ompl_risk import InverseDistance, Lp, Norm, Sobolev
 from ompl_risk.avoidance import Avoidance, FlatCap, GaussianTail
 from ompl_risk.probability.crossings import CrossingRate
+from ompl_risk.probability.outcrossing import Outcrossing
 
 REACHES = (20.0, 25.0, 30.0, 35.0, 40.0, 50.0, 60.0, 80.0, 100.0, 140.0, 200.0, 400.0)
 """Of d0 and of the ball's radius r [m]."""
@@ -36,6 +38,9 @@ ISOTROPIC = (2.0, 4.0, 8.0, 12.0)
 CORRELATION_TIMES = (0.3, 1.0, 3.0, 10.0, 30.0, 100.0)
 """Of the rate's errors [s]."""
 
+PASSING, LASTING, TURNING = (8.0, 12.0), (6.0, 12.0), (4.0, 8.0, 12.0)
+"""Of the two errors of `Outcrossing` [m], and of the time in which the passing one changes [s]."""
+
 LPS = tuple(Lp(p) for p in EXPONENTS)
 SOBOLEVS = tuple(Sobolev(1, time_scale=tau) for tau in TIME_SCALES)
 
@@ -48,6 +53,10 @@ def families() -> tuple[Family, ...]:
     far = (InverseDistance(FAR),)
     corrected = (CorrectedTail(v, i) for v in VERTICAL for i in ISOTROPIC)
     rates = (CrossingRate(s, correlation_time=t) for s in DEVIATIONS for t in CORRELATION_TIMES)
+    models = (
+        Outcrossing(passing, lasting, correlation_time=time)
+        for passing in PASSING for lasting in LASTING for time in TURNING
+    )  # fmt: skip
     return (
         *(
             _family(f"{setting.norm.label} of 1/d, d0 tuned", (setting.norm,), near)
@@ -63,6 +72,7 @@ def families() -> tuple[Family, ...]:
         family("L^p of corrected_cap, p and r tuned", LPS, map(CorrectedCap, REACHES)),
         family("L^p of corrected_tail, p and σ tuned", LPS, corrected),
         Family("expected collisions, σ and τ tuned", tuple(map(ExpectedCollisions, rates))),
+        Family("outcrossing, errors tuned", tuple(map(OutcrossingOf, models))),
     )
 
 

@@ -13,19 +13,35 @@ from numpy.typing import NDArray
 from benchmarks.evidence.analysis.calibration import Calibration, calibrate
 from benchmarks.evidence.analysis.ceiling import halves, repeated
 from benchmarks.evidence.analysis.fitting import Family, Fit, fit
+from benchmarks.evidence.analysis.knowing import (
+    Knowing,
+    Predicted,
+    evaluated_by_level,
+    tuned_by_level,
+)
 from benchmarks.evidence.analysis.metrics import Scores, scores
 from benchmarks.evidence.analysis.settings import (
     FASTEST,
     PAPER,
     ExpectedCollisions,
     Setting,
-    evaluated,
 )
 from benchmarks.evidence.analysis.statistics import Bootstrap, Interval, mean
-from benchmarks.evidence.analysis.table import Table
+from benchmarks.evidence.analysis.table import LEVELS, Table
 from benchmarks.evidence.analysis.truth import Judgement, closed_loop, paper
 from ompl_risk._arrays import FloatArray
 from ompl_risk.errors import ArgumentError
+
+BY_LEVEL = (
+    "L^p of 1/d, p and d0 tuned",
+    "H1 of 1/d, d0 and τ tuned",
+    "L^p of GaussianTail, p and σ tuned",
+)
+"""Families that are tuned to each level as well."""
+
+KNOWS = "knows the level"
+MODERATE = LEVELS.index("moderate")
+"""The level of settings that know one, where the paper's judges know of none."""
 
 POINTS = 0.10
 """By how much the recommended setting should find the safest flight more often."""
@@ -35,7 +51,7 @@ class Row(NamedTuple):
     """A setting that is judged on the test units, and why."""
 
     role: str
-    setting: Setting
+    setting: Setting | Knowing
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +63,7 @@ class Findings:
         test: the test units.
         fit: what training chose.
         rows: settings that are judged, the recommended one first, then the paper's four.
-        values: what they give the test flights, shape (S, U, 5).
+        values: what they give the test flights, at each level, shape (S, L, U, 5).
         judge, pc: closed-loop probabilities by level, and the paper's judges.
         by_judge, by_pc: scores by them, each of shape (S, judges, U).
         ceiling: scores of one half of the rollouts by the other, and of rollouts drawn again.
@@ -88,6 +104,12 @@ class Findings:
         """The mean of a score for each row, with its interval."""
         return self.draws.intervals(getattr(self.by_judge, metric), self.masks[mask])
 
+    @property
+    def chance(self) -> float:
+        """In what share of the decided sets a flight drawn by lot is (one of) the safest."""
+        lots = scores(np.zeros_like(self.judge.values), self.judge.values)
+        return float(mean(lots.safest, self.masks["pooled"]))
+
     def pc_intervals(self, metric: str, index: int) -> list[Interval]:
         """The same by one of the paper's judges."""
         only = np.arange(len(self.pc.names)) == index
@@ -111,7 +133,7 @@ class Comparison(NamedTuple):
     """
 
     metric: str
-    best: Setting
+    best: Setting | Knowing
     by_unit: Interval
     by_terrain: Interval
     anew: Interval
@@ -135,6 +157,13 @@ def compare(findings: Findings, metric: str, mask: str = "pooled") -> Comparison
     )
 
 
+def gain_on_paper(findings: Findings, row: int, metric: str) -> Interval:
+    """Score of a row less that of the best of the paper's four, on the same decided sets."""
+    found = getattr(findings.by_judge, metric)
+    gain = (found[row] - found[findings.best_of_paper(metric)])[None]
+    return findings.draws.intervals(gain, findings.masks["pooled"])[0]
+
+
 def target_reached(safest: Comparison, tau: Comparison) -> bool:
     """Ten points more sets and a higher tau, both with intervals above zero."""
     enough = safest.by_unit.mean >= POINTS and safest.by_unit.low > 0.0
@@ -152,8 +181,8 @@ def analyse(whole: Table, families: Sequence[Family]) -> Findings:
         raise ArgumentError("whole", str(whole.path), "a table with complete test units")
     found = fit(training, families)
     rates = [s for f in families for s in f.settings if isinstance(s, ExpectedCollisions)]
-    rows = _rows(found)
-    values = evaluated([row.setting for row in rows], test.profiles)
+    rows = _rows(found, _known(training, families))
+    values = evaluated_by_level([row.setting for row in rows], test.profiles)
     judge, pc = closed_loop(test), paper(test)
     return Findings(
         whole,
@@ -163,8 +192,8 @@ def analyse(whole: Table, families: Sequence[Family]) -> Findings:
         values,
         judge,
         pc,
-        scores(values[:, None], judge.values),
-        scores(values[:, None], pc.values),
+        scores(values, judge.values),
+        scores(values[:, MODERATE, None], pc.values),
         (halves(test), repeated(test)),
         calibrate(training, test, rates) if rates else (),
         Bootstrap.of(test.units),
@@ -172,11 +201,21 @@ def analyse(whole: Table, families: Sequence[Family]) -> Findings:
     )
 
 
-def _rows(found: Fit) -> tuple[Row, ...]:
+def _known(training: Table, families: Sequence[Family]) -> list[Row]:
+    """Rows that know the level: each of ``BY_LEVEL`` that there is, tuned to it, and prediction."""
+    by_name = {family.name: family.settings for family in families}
+    tuned = [
+        Row(KNOWS, tuned_by_level(training, name.partition(",")[0], by_name[name]))
+        for name in BY_LEVEL if name in by_name
+    ]  # fmt: skip
+    return [*tuned, Row(KNOWS, Predicted())]
+
+
+def _rows(found: Fit, known: Sequence[Row]) -> tuple[Row, ...]:
     rows = [Row("recommended", found.recommended)]
     rows += [Row("paper", setting) for setting in PAPER]
     rows += [
         Row(family.name, setting)
         for family, setting in zip(found.families, found.choices, strict=True)
     ]
-    return (*rows, Row("fastest flight, risk unseen", FASTEST))
+    return (*rows, *known, Row("fastest flight, risk unseen", FASTEST))

@@ -20,15 +20,18 @@ QUESTION = """\
 Five flights take the same time; which is the safest? A *setting* answers with a number for each
 flight from its profile alone: a norm of an avoidance function of the clearance, say. The paper's
 four are the L1, L2, L∞ and H1 norms of 1/d - 1/d0 with d0 = 100 m. The judge here is the simulated
-flight itself: vehicle, tracking controller, navigation, gusts and map error in a closed loop, a
-thousand times or so for each flight, and the share of rollouts that hit the ground. A *set* is five
+flight itself: vehicle, tracking controller, navigation, gusts and map error in a closed loop,
+hundreds of times for each flight, and the share of rollouts that hit the ground. A *set* is five
 flights of a unit (a terrain with a start and a goal) at one level of disturbance."""
 SCORES = """\
 - *finds the safest*: the flight of least value is the one that collides least. Where a setting ties
   flights it earns the share of them that are right; where the judge ties the safest, any of them is
-  right. Chance finds one in five. *Finds the riskiest*: the same at the other end.
+  right. Drawing lots finds one in five, and more where several never collide. *Finds the riskiest*:
+  the same at the other end.
 - *Kendall's tau*: tau-b between the setting's order of the five and the judge's.
-- *regret*: probability of collision of the flight picked less that of the safest one."""
+- *regret*: probability of collision of the flight picked less that of the safest one. Both are
+  counted, and the least of five counts is too low rather than too high: regret is somewhat too
+  great, for all settings alike."""
 LIMITS = (
     "One vehicle, one tracking controller and one model of the disturbances, each with a stated "
     "source but none measured on a real flight: what is recommended suits errors of this kind and "
@@ -37,10 +40,13 @@ LIMITS = (
     "show what that hides.",
     "One of the test grounds is a single map of a real place, on which all its units lie; the "
     "others are synthetic. Drawing whole terrains instead of units shows how much hangs on it.",
-    "Undecided sets are left out of the main tables: for them any pick is as good as another. The "
-    "last table has all sets.",
+    "Undecided sets are left out of the main tables: there the judge cannot tell even the safest "
+    "flight from the riskiest. The last table has all sets.",
     "A set is decided by the same rollouts that then judge it, and the judge is noisy: no setting "
     "can reach 100 % but by luck. The ceiling says how far it could.",
+    "Flights are sampled every 0.2 s, some 5 m. That is fine enough for integrals; but flights "
+    "that share their closest approach are sampled there at different places, so that L∞, and "
+    "norms of a large p, tell them apart by chance.",
     "The best of the paper's four is chosen on the test units, which favours it; that the "
     "recommended setting was not is the point of the split. Differences with other settings, and "
     "within strata, are many: one in twenty intervals misses by chance.",

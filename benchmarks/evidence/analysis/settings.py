@@ -6,6 +6,7 @@ import math
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from ompl_risk.avoidance import Avoidance, GaussianTail
 from ompl_risk.avoidance.corrections import corrected_cap, corrected_tail
 from ompl_risk.avoidance.gaussian_tail import upper_tail
 from ompl_risk.probability.crossings import CrossingRate
+from ompl_risk.probability.outcrossing import Outcrossing, steepened
 
 FAR = 100.0
 """The paper's d0 [m]."""
@@ -168,6 +170,37 @@ class ExpectedCollisions(Setting):
             initial = upper_tail(profiles.d[profiles.starts[:-1]] / self.rate.sigma)
             profiles.known[self] = initial, profiles.total(rate * np.diff(profiles.clock))
         return profiles.known[self]
+
+
+@dataclass(frozen=True)
+class OutcrossingOf(Setting):
+    """The probability of collision of `Outcrossing`, with the same errors at every level."""
+
+    model: Outcrossing
+
+    @property
+    def label(self) -> str:
+        """Such as "outcrossing(10 m, 6 m, 8 s)"."""
+        model = self.model
+        return (
+            f"outcrossing({model.passing:g} m, {model.lasting:g} m, {model.correlation_time:g} s)"
+        )
+
+    def __call__(self, profiles: Profiles) -> FloatArray:
+        """The probability of each flight; as `Outcrossing.probability`, for all flights at once."""
+        model, clock, starts = self.model, profiles.clock, profiles.starts
+        margin = profiles.d / steepened(profiles.up)
+        least = [int(s + margin[s:e].argmin()) for s, e in pairwise(starts)]
+        forward = np.arange(len(clock) - 1) >= np.repeat(least, profiles.lengths)[:-1]
+        rate = CrossingRate(model.passing, correlation_time=model.correlation_time)
+        found = np.zeros(len(profiles))
+        for b, weight in zip(*model.lasting_errors(), strict=True):
+            ahead = rate.along(clock, margin - b).rate
+            back = rate.along(-clock[::-1], (margin - b)[::-1]).rate[::-1]
+            entries = profiles.total(np.where(forward, ahead, back) * np.diff(clock))
+            here = upper_tail((margin[least] - b) / model.passing)
+            found += weight * (here * np.exp(-entries) - np.expm1(-entries))
+        return np.minimum(found, 1.0)
 
 
 @dataclass(frozen=True)

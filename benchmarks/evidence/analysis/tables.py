@@ -9,7 +9,8 @@ import numpy as np
 from rich.markup import escape
 from rich.table import Table as RichTable
 
-from benchmarks.evidence.analysis.findings import Findings, compare
+from benchmarks.evidence.analysis.findings import Findings, compare, gain_on_paper
+from benchmarks.evidence.analysis.knowing import ByLevel, Knowing, Predicted
 from benchmarks.evidence.analysis.statistics import Interval
 from benchmarks.evidence.analysis.strata import strata
 from benchmarks.evidence.analysis.table import SPLITS, STATUSES
@@ -30,6 +31,8 @@ METRICS = {
     "regret": "regret",
 }
 """Scores as columns are called."""
+ORDERING = ("safest", "tau")
+"""Those that the target is about."""
 
 
 def sheets(findings: Findings) -> Iterator[Sheet]:
@@ -38,6 +41,8 @@ def sheets(findings: Findings) -> Iterator[Sheet]:
     yield fitted(findings)
     yield standing(findings, "pooled")
     yield comparisons(findings)
+    yield by_size(findings)
+    yield predicted(findings)
     yield by_level(findings, "safest")
     yield by_level(findings, "tau")
     yield ceiling(findings)
@@ -104,6 +109,40 @@ def comparisons(findings: Findings) -> Sheet:
         "terrains drawn", "best of the four chosen anew in each draw",
     )  # fmt: skip
     return Sheet("Recommended setting less the best of the paper's four", header, lines)
+
+
+def by_size(findings: Findings) -> Sheet:
+    """What those that know the level gain on the best of the paper's four."""
+    lines = []
+    for k, row in enumerate(findings.rows):
+        if not isinstance(row.setting, Knowing):
+            continue
+        parts = row.setting.settings if isinstance(row.setting, ByLevel) else ()
+        gains = (difference(metric, gain_on_paper(findings, k, metric)) for metric in ORDERING)
+        lines.append([row.setting.label, *gains, "; ".join(part.label for part in parts)])
+    header = (
+        "setting", *(f"{METRICS[metric]}: gain on the best of the paper's four" for metric in
+                     ORDERING), "at each level",
+    )  # fmt: skip
+    return Sheet("Knowing how large the errors are", header, lines)
+
+
+def predicted(findings: Findings) -> Sheet:
+    """The probability predicted from the sizes of the errors, against that counted."""
+    k = next(k for k, row in enumerate(findings.rows) if isinstance(row.setting, Predicted))
+    lines = []
+    for level, name in enumerate(findings.judge.names):
+        said, counted = findings.values[k, level].ravel(), findings.judge.values[level].ravel()
+        numbers = (
+            said.mean(), counted.mean(), float(np.sqrt(np.mean((said - counted) ** 2))),
+            float(np.abs(said - counted).max()), float(np.corrcoef(said, counted)[0, 1]),
+        )  # fmt: skip
+        lines.append([name, *(f"{x:.4f}" for x in numbers)])
+    header = (
+        "level", "mean predicted", "mean counted", "rms difference", "greatest difference",
+        "correlation",
+    )  # fmt: skip
+    return Sheet("Probability of collision predicted without rollouts: test flights", header, lines)
 
 
 def by_level(findings: Findings, metric: str) -> Sheet:

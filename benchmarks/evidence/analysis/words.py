@@ -11,8 +11,10 @@ from benchmarks.evidence.analysis.findings import (
     Comparison,
     Findings,
     compare,
+    gain_on_paper,
     target_reached,
 )
+from benchmarks.evidence.analysis.knowing import Knowing
 from benchmarks.evidence.analysis.settings import FAR
 from benchmarks.evidence.analysis.statistics import Interval, mean
 from benchmarks.evidence.analysis.strata import MEASURES, THIRDS, strata
@@ -34,6 +36,7 @@ def answer(findings: Findings) -> Iterator[str]:
     yield _target(safest, tau)
     if not target_reached(safest, tau):
         yield _room(findings, safest)
+    yield _knowing(findings)
     yield _h1(findings)
     yield _pc(findings)
     yield _where(findings)
@@ -48,9 +51,10 @@ def _headline(findings: Findings, safest: Comparison, tau: Comparison) -> str:
     return (
         f"**{findings.rows[0].setting.label}**, chosen on training alone, finds the safest of five "
         f"flights in {share(found[0])} of {int(findings.masks['pooled'].sum())} decided test sets; "
-        f"the best of the paper's four there, {safest.best.label}, in {share(found[best])}. Its "
-        f"mean Kendall tau is {number(taus[0])}, against {number(taus[ordered])} of "
-        f"{tau.best.label}. The flight that it picks collides more often than the safest one by "
+        f"the best of the paper's four there, {safest.best.label}, in {share(found[best])}; "
+        f"drawing lots would in {100 * findings.chance:.0f} %. Its mean Kendall tau is "
+        f"{number(taus[0])}, against {number(taus[ordered])} of {tau.best.label}. The flight "
+        "that it picks collides more often than the safest one by "
         f"{probability(regret[0])}, that of {safest.best.label} by {probability(regret[best])}."
     )
 
@@ -77,7 +81,8 @@ def _room(findings: Findings, safest: Comparison) -> str:
     best, top = scores[rows.index(safest.best)], int(np.argmax(scores))
     low, high = sorted(100 * (end - best) for end in ends)
     enough = (
-        f"less than the {100 * POINTS:.0f} points asked for, which no setting could gain"
+        f"less than the {100 * POINTS:.0f} points asked for: no setting could be expected to gain "
+        "them"
         if high < 100 * POINTS
         else "so the judge's noise does not rule the target out"
     )
@@ -86,6 +91,27 @@ def _room(findings: Findings, safest: Comparison) -> str:
         f"noise ends (see the ceiling), {enough}. The most that any setting listed here finds on "
         f"test is {100 * scores[top]:.0f} % ({rows[top].label}), {100 * (scores[top] - best):+.1f} "
         "points; picking it now would be picking by the test."
+    )
+
+
+def _knowing(findings: Findings) -> str:
+    """What knowing the size of the errors is worth."""
+    parts = []
+    for k, row in enumerate(findings.rows):
+        if not isinstance(row.setting, Knowing):
+            continue
+        safest, tau = (gain_on_paper(findings, k, metric) for metric in ("safest", "tau"))
+        found = findings.intervals("safest")[k]
+        parts.append(
+            f"{row.setting.label} {share(found)}, {difference('safest', safest)} and "
+            f"{difference('tau', tau)}"
+        )
+    return (
+        "Settings that know the level of disturbance, against the best of the paper's four (safest "
+        f"found, gain in it and in tau): {'; '.join(parts)}. The prediction has nothing fitted, "
+        "but the sizes of the errors that the judge draws: it is the closed form of what the judge "
+        "simulates, and so says what a number without rollouts can know, not what a norm "
+        "of the distance can."
     )
 
 

@@ -189,7 +189,11 @@ class MovingMesh(MovingObstacle):
         if isinstance(mesh, list | tuple):
             raise ArgumentError("mesh", type(mesh).__name__, "one trimesh.Trimesh")
         self.mesh = mesh
-        self.body = MeshClearance(mesh)
+        try:
+            self.body = MeshClearance(mesh)
+        except ArgumentError as error:  # there it is one of several
+            argument = error.argument.replace("obstacles[0]", "mesh")
+            raise ArgumentError(argument, error.value, error.allowed) from None
 
     @property
     def _arguments(self) -> tuple[Any, ...]:

@@ -32,8 +32,8 @@ class PairedDifference:
         more: rollouts where only the first collides.
         less: rollouts where only the second does.
         rollouts: all of them.
-        p_value: of McNemar's exact test that neither is the more dangerous; ``None`` for weighted
-            rollouts.
+        p_value: of McNemar's exact test that neither is the more dangerous, times the looks that
+            were planned (Bonferroni); ``None`` for weighted rollouts.
     """
 
     first: str
@@ -81,10 +81,11 @@ def compare(first: CollisionEstimate, second: CollisionEstimate) -> PairedDiffer
     _check_pairs(first, second)
     only_first = first.collides & ~second.collides
     only_second = second.collides & ~first.collides
-    n, tail = first.rollouts, 0.5 * (1.0 - first.confidence) / max(first.looks, second.looks)
+    looks = max(first.looks, second.looks)
+    n, tail = first.rollouts, 0.5 * (1.0 - first.confidence) / looks
     more, less = int(only_first.sum()), int(only_second.sum())
     if first.weights is None:
-        difference, test = (more - less) / n, _mcnemar(more, less)
+        difference, test = (more - less) / n, min(1.0, looks * _mcnemar(more, less))
         low, high = paired_counts(more, less, n, tail)
     else:
         heavy, light = first.weights[only_first], first.weights[only_second]

@@ -11,7 +11,6 @@ from benchmarks.evidence.analysis.figures.looks import colour, heading, name, ti
 from benchmarks.evidence.analysis.findings import POINTS, Findings, Row
 from benchmarks.evidence.analysis.settings import FASTEST
 from benchmarks.evidence.analysis.statistics import Interval
-from benchmarks.evidence.analysis.table import FLIGHTS
 from ompl_risk._arrays import FloatArray
 from ompl_risk.report.style import FAINT, INK, SIZES, new_figure
 
@@ -37,7 +36,7 @@ def standing(findings: Findings) -> Figure:
         _marks(axes, rows, intervals, factor)
     left.set_yticks(range(len(rows)), [name(row) for row in rows])
     left.set_ylim(len(rows) - 0.4, -0.6)
-    left.axvline(100.0 / FLIGHTS, color=FAINT, linestyle=":", linewidth=1.2)
+    left.axvline(100.0 * findings.chance, color=FAINT, linestyle=":", linewidth=1.2)
     left.set_xlabel("sets in which the safest of five is found [%]", fontsize=SIZES["small"])
     right.set_xlabel("mean Kendall's tau with the probability", fontsize=SIZES["small"])
     heading(
