@@ -70,7 +70,11 @@ def rank_candidates(
     paths = [c.trajectory(problem.speed, name) for c, name in zip(solved, names, strict=True)]
     ranking = rank(paths, problem.clearance, problem.avoidance, norms, **options)
     return CandidateRanking(
-        ranking.assessments, ranking.norms, ranking.duration_tolerance, tuple(found)
+        ranking.assessments,
+        ranking.norms,
+        ranking.duration_tolerance,
+        ranking.avoidance,
+        tuple(found),
     )
 
 

@@ -10,6 +10,7 @@ from rich import box
 from rich.table import Table
 
 from ompl_risk.cli.finding import Found, Way
+from ompl_risk.cli.judging import Judgement
 from ompl_risk.cli.progress import progress_bar
 from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.scene import Scene
@@ -25,6 +26,9 @@ from ompl_risk.trajectory_files import write_csv
 
 if TYPE_CHECKING:
     from rich.console import Console
+
+LEAST_BUDGET = 1e-5
+"""To show that a path keeps to a smaller one would take more than half a million rollouts."""
 
 STEP = 0.1
 """Time between the samples of a flight that are written [s]."""
@@ -67,6 +71,22 @@ def closed_loop(
     return found
 
 
+def draw_closed_loop(
+    judgement: Judgement, scene: Scene, folder: RunFolder, console: Console, title: str
+) -> None:
+    """Draw where the rollouts of the ranked paths collide, if they were flown."""
+    ranking = judgement.ranking
+    flown = [a.estimate for a in ranking.assessments if isinstance(a.estimate, CollisionEstimate)]
+    if not flown:
+        return
+    from ompl_risk.report import closed_loop_figure
+
+    paths = [assessment.trajectory for assessment in ranking.assessments]
+    path = folder.path / "closed_loop.png"
+    closed_loop_figure(paths, flown, scene.terrain, title=title, path=path)
+    console.print("and closed_loop.png, closed_loop.json", markup=False)
+
+
 def spend_budget(
     found: Found, scene: Scene, settings: PlanSettings, folder: RunFolder, console: Console
 ) -> None:
@@ -97,10 +117,9 @@ def spend_budget(
             budget,
             seed=settings.seed,
             threads=settings.workers,
-            on_trial=lambda place, estimate: progress.update(
-                trying,
-                advance=1,
-                description=f"path {place + 1} of {len(candidates)}: {estimate.probability:.3g}",
+            on_trial=lambda _place, _estimate: progress.advance(trying),
+            on_rollouts=lambda place, flown: progress.update(
+                trying, description=f"path {place + 1} of {len(candidates)}: {flown:,} rollouts"
             ),
         )
     durations = {place: float(made[place].duration) for place in result.tried}

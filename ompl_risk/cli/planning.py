@@ -9,7 +9,12 @@ from typing import TYPE_CHECKING, Any
 from ompl_risk import planners
 from ompl_risk.clearance.threads import thread_count
 from ompl_risk.cli.candidates import CandidateFinder
-from ompl_risk.cli.closed_loop import closed_loop, spend_budget
+from ompl_risk.cli.closed_loop import (
+    LEAST_BUDGET,
+    closed_loop,
+    draw_closed_loop,
+    spend_budget,
+)
 from ompl_risk.cli.finding import Finder, Found
 from ompl_risk.cli.helicopter import PLACES, HelicopterFinder
 from ompl_risk.cli.judging import Judgement, judge, report
@@ -62,6 +67,7 @@ def plan(settings: PlanSettings, console: Console) -> Judgement:
         facts=_facts(settings, judgement, found),
         ceiling=float(problem.high[2]),
     )
+    draw_closed_loop(judgement, scene, folder, console, title)
     if found.flights:
         from ompl_risk.cli.flights import write_flights
 
@@ -104,8 +110,9 @@ def _finder(settings: PlanSettings, problem: planners.Problem) -> Finder:
     if settings.seed < 1:
         raise ArgumentError("seed", settings.seed, "a whole number of at least 1")
     budget = settings.max_collision_probability
-    if budget is not None and not 0.0 < budget < 1.0:
-        raise ArgumentError("max_collision_probability", budget, "between 0 and 1")
+    if budget is not None and not LEAST_BUDGET <= budget < 1.0:
+        allowed = f"between 0 and 1, and {LEAST_BUDGET:g} at least: less takes too many rollouts"
+        raise ArgumentError("max_collision_probability", budget, allowed)
     kind = settings.planner.lower()
     idle = OF_SEARCHES if kind == ROADMAP else OF_ROADMAP
     _refuse_idle(settings, idle, f"--planner {settings.planner}")

@@ -19,7 +19,7 @@ def _whole(_type: Any, tokens: Any) -> int:
     try:
         return int(tokens[0].value)
     except ValueError:
-        raise ValueError(f'"{tokens[0].value}" is no whole number') from None
+        raise ValueError(f'"{tokens[0].value}" is no whole number.') from None
 
 
 Whole = Annotated[int, Parameter(converter=_whole)]
@@ -92,7 +92,7 @@ class PlanSettings(JudgeSettings):
         pareto: also find all paths of the roadmap that no other undercuts in duration and risk.
         max_collision_probability: also find the fastest path, of the alternatives and of the
             roadmap's Pareto set, whose probability of collision in these disturbances is for sure
-            (95 %) no greater than this.
+            (95 %) no greater than this; 1e-5 at least, and some 7 / P rollouts a path.
         animation: also write a film of the helicopter's safest flight by the last norm: the minute
             around the place where it is nearest to the ground on its way. mp4 needs ffmpeg.
         searches: criteria that planners of OMPL plan by, each "length" or norm@clearance such as

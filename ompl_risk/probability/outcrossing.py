@@ -104,7 +104,7 @@ class Outcrossing:
             return np.zeros(1), np.ones(1)
         step = WIDEST * min(1.0, self.passing / self.lasting)
         half = math.ceil(OUTERMOST / step)
-        x = step * np.arange(-half, half + 1)
+        x = np.arange(-half, half + 1, dtype=np.float64) * step
         weights = np.exp(-0.5 * x * x)
         return self.lasting * x, weights / weights.sum()
 

@@ -105,9 +105,10 @@ def _counts(estimate: Estimate) -> str:
     if hits is None or rollouts is None:
         return ""
     counts = f"{hits:,} of {rollouts:,} rollouts"
-    if getattr(estimate, "weights", None) is None:
+    bound = getattr(estimate, "upper_bound", None)
+    if getattr(estimate, "weights", None) is None or bound is None:
         return counts
-    return f"{counts}, weighted;\nwhatever was missed at most {estimate.upper_bound():.3g}"
+    return f"{counts}, weighted;\nwhatever was missed at most {bound():.3g}"
 
 
 def order_table(ranking: Ranking) -> Table:

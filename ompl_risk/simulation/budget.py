@@ -72,6 +72,7 @@ def fastest_within(
     most: int | None = None,
     threads: int | None = None,
     on_trial: Callable[[int, CollisionEstimate], object] = lambda _place, _estimate: None,
+    on_rollouts: Callable[[int, int], object] = lambda _place, _flown: None,
 ) -> Budgeted:
     """The first of some candidates whose probability of collision is within a budget for certain.
 
@@ -103,6 +104,7 @@ def fastest_within(
             collided, if left out. Fewer than those can never accept any.
         threads: at a time; None uses all processors.
         on_trial: called with place and estimate of each candidate tried.
+        on_rollouts: called every few hundred rollouts with place and how many have been flown.
 
     Raises:
         ArgumentError: no candidates, or a value out of range.
@@ -124,6 +126,7 @@ def fastest_within(
         (tried[place],) = closed_loop_probability(
             plan(place), clearance, disturbances,
             seed=_own(seed, place), confidence=each, threads=threads, until=rule,
+            on_rollouts=lambda flown: on_rollouts(place, flown),
         )  # fmt: skip
         on_trial(place, tried[place])
         return tried[place].decided(allowed) == "below"

@@ -27,6 +27,9 @@ from ompl_risk.trajectory import Trajectory
 ROLLOUTS = 1000
 """Unless said otherwise."""
 
+PORTION = 512
+"""Rollouts flown in one go, between which an interrupt is served and progress is told."""
+
 
 def closed_loop_probability(
     plans: Any,
@@ -40,6 +43,7 @@ def closed_loop_probability(
     importance: RaisedGround | None = None,
     until: Until | None = None,
     on_plan: Callable[[CollisionEstimate], None] | None = None,
+    on_rollouts: Callable[[int], object] = lambda _flown: None,
 ) -> tuple[CollisionEstimate, ...]:
     """How often each of some plans ends in collision, by flying it again and again.
 
@@ -48,10 +52,13 @@ def closed_loop_probability(
     either is known.
 
     Args:
-        plans: one or many: a ``Plan``, a ``Flight`` (flown by its helicopter) or a ``Trajectory``
-            (flown by a point mass), with names that differ; those without are numbered.
+        plans: one or many: a ``Plan``, a ``Flight`` (flown by its helicopter), as
+            ``HelicopterSteering.flight`` makes them of a route, or a ``Trajectory`` (flown by a
+            point mass, also if it is a helicopter's), with names that differ; those without are
+            numbered.
         clearance: distance to what can be hit. Over a ``TerrainClearance`` everything is compiled;
-            any other clearance is checked from traces, see ``checking``.
+            any other clearance is checked from traces, see ``checking``. A ``MovingClearance`` is
+            asked at the times of the trajectory; those of a flight begin at 0.
         disturbances: what the plans do not know.
         rollouts: of each plan, 1,000 if left out; not together with ``until``.
         seed: of all random numbers; the rest of the arguments and it fix the result.
@@ -61,6 +68,7 @@ def closed_loop_probability(
         until: a rule when to stop, such as ``Decided(1e-3)``: plans then have as many rollouts as
             each needs, and bounds that hold in spite of it.
         on_plan: called with each estimate as soon as it is there.
+        on_rollouts: called every few hundred rollouts with how many of the plan have been flown.
 
     Returns:
         An estimate for each plan, in order.
@@ -76,17 +84,24 @@ def closed_loop_probability(
         sample.design = importance.design([plan for _, plan in chosen], clearance, disturbances)
     flown = fly if isinstance(clearance, TerrainClearance) else fly_checked
 
-    def block(plan: Plan, first: int, last: int) -> Outcomes:
-        return flown(plan, clearance, disturbances, sample.part(first, last), threads=threads)
+    def block(plan: Plan, first: int, last: int) -> list[Outcomes]:
+        sample.upto(last)
+        parts = []
+        for begin in range(first, last, PORTION):
+            end = min(begin + PORTION, last)
+            draws = sample.part(begin, end)
+            parts.append(flown(plan, clearance, disturbances, draws, threads=threads))
+            on_rollouts(end)
+        return parts
 
     found = []
     for name, plan in chosen:
-        parts = [block(plan, 0, looks[0])]
+        parts = block(plan, 0, looks[0])
         estimate = sample.estimate(name, parts, confidence, len(looks))
         for first, last in itertools.pairwise(looks):
             if stop.done(estimate):
                 break
-            parts.append(block(plan, first, last))
+            parts += block(plan, first, last)
             estimate = sample.estimate(name, parts, confidence, len(looks))
         found.append(estimate)
         if on_plan is not None:
@@ -96,7 +111,8 @@ def closed_loop_probability(
 
 def _check(clearance: Any, disturbances: Any, importance: Any) -> None:
     if not callable(clearance):
-        raise ArgumentError("clearance", clearance, "a clearance")
+        allowed = "a clearance, as TerrainClearance(terrain, radius=5.0)"
+        raise ArgumentError("clearance", clearance, allowed)
     if not isinstance(disturbances, Disturbances):
         allowed = 'Disturbances(...) or Disturbances.level("moderate")'
         raise ArgumentError("disturbances", disturbances, allowed)

@@ -208,7 +208,7 @@ def test_without_a_time_there_is_no_distance():
                 ball(),
                 static=UnionClearance([TerrainClearance(FLAT), MovingClearance(ball())]),
             ),
-            "static",
+            "members[1]",
         ),
         (
             lambda: MovingClearance(
@@ -230,7 +230,7 @@ def test_without_a_time_there_is_no_distance():
             lambda: MovingBox([1, 1, 1], [0, 1], np.zeros((2, 3)), np.ones((2, 4))),
             "orientations[0]",
         ),
-        (lambda: MovingMesh("box", [0, 1], np.zeros((2, 3))), "obstacles[0]"),
+        (lambda: MovingMesh("box", [0, 1], np.zeros((2, 3))), "mesh"),
         (lambda: MovingMesh([trimesh.creation.box()], [0, 1], np.zeros((2, 3))), "mesh"),
         (lambda: MovingClearance(ball())([[0.0, 0.0]], 0.0), "points.shape"),
         (lambda: MovingClearance(ball())([[0.0, 0.0, 0.0]], [0.0, 1.0]), "times.shape"),

@@ -74,5 +74,6 @@ def test_rank_flies_trajectories_from_files(wall_file, files, tmp_path):
     assert main([*arguments, "--output", str(tmp_path / "run")]) == 0
     ranking = read_ranking(tmp_path / "run")
     assert sorted(ranking["probability_order"]) == ["north", "south"]
+    assert (tmp_path / "run" / "closed_loop.png").stat().st_size > 10_000
     d = read_columns(tmp_path / "run" / "trajectories" / "north.csv")["d"]
     assert np.isfinite(d).all()

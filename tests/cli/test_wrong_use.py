@@ -49,6 +49,7 @@ WRONG = [
         ["--max-collision-probability", "1"],
         ["--max-collision-probability = 1.0", "between 0 and 1"],
     ),
+    (["--max-collision-probability", "1e-7"], ["too many rollouts"]),
     (["--count", "1"], ["--count = 1", "at least 2"]),
     (["--count", "2.5"], ["--count", '"2.5" is no whole number']),
     (["--separation", "0"], ["--separation = 0.0", "positive"]),

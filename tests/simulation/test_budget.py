@@ -16,7 +16,7 @@ def planted(monkeypatch, probabilities):
     """Rollouts that collide with these probabilities, by candidate."""
     asked = []
 
-    def stand_in(place, _clearance, _disturbances, *, seed, confidence, threads, until):
+    def stand_in(place, _clearance, _disturbances, *, seed, confidence, until, **_):
         asked.append((place, confidence, seed))
         random = np.random.default_rng([seed, place])
         looks = until.looks(confidence)

@@ -12,6 +12,7 @@ from scipy import stats
 
 from ompl_risk import Trajectory
 from ompl_risk.errors import ArgumentError
+from ompl_risk.simulation import closed_loop
 from ompl_risk.simulation.closed_loop import as_plans, closed_loop_probability
 from ompl_risk.simulation.disturbances.draws import Draws
 from ompl_risk.simulation.disturbances.terrain_error import TerrainError
@@ -76,6 +77,16 @@ def test_estimates_are_reported_as_they_come():
     found = probability([LevelPlan(20.0), LevelPlan(25.0)], rollouts=20, on_plan=said.append)
     assert tuple(said) == found
     assert [each.name for each in said] == ["plan 1", "plan 2"]
+
+
+def test_portions_are_reported_and_join_to_the_same(monkeypatch):
+    plan, flown = LevelPlan(30.0, "A", shake=3.0), []
+    (whole,) = probability(plan, WAVY, rollouts=100)
+    monkeypatch.setattr(closed_loop, "PORTION", 30)
+    (parts,) = probability(plan, WAVY, rollouts=100, on_rollouts=flown.append)
+    assert flown == [30, 60, 90, 100]
+    for field in ("least", "when", "where", "collided", "endings"):
+        assert np.array_equal(getattr(parts, field), getattr(whole, field))
 
 
 def test_narrow_stops_at_the_first_look_that_is_narrow_enough():

@@ -97,9 +97,7 @@ def straight(motions: TimedMotions) -> Travel:
 
 
 def moves(clearance: Any) -> bool:
-    """Whether a clearance, or a member of a union, needs the time."""
-    if isinstance(clearance, UnionClearance):
-        return any(moves(member) for member in clearance.members)
+    """Whether a clearance needs the time; unions take none that does."""
     return bool(getattr(clearance, "moves", False))
 
 

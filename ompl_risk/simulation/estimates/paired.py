@@ -73,7 +73,7 @@ def compare(first: CollisionEstimate, second: CollisionEstimate) -> PairedDiffer
 
     Raises:
         ArgumentError: the two have not met the same disturbances: another seed, another number of
-            rollouts, other weights.
+            rollouts, other weights. That both are of the same ``Disturbances`` is up to the caller.
 
     Reference: McNemar, Note on the sampling error of the difference between correlated proportions
     or percentages, Psychometrika 12 (1947).
