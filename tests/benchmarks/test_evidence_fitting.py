@@ -11,6 +11,7 @@ from benchmarks.evidence.analysis.findings import (
     analyse,
     compare,
     target_reached,
+    twice_better,
 )
 from benchmarks.evidence.analysis.fitting import (
     PRODUCT,
@@ -31,7 +32,7 @@ from benchmarks.evidence.analysis.settings import (
     Product,
     evaluated,
 )
-from benchmarks.evidence.analysis.statistics import Interval
+from benchmarks.evidence.analysis.statistics import Bootstrap, Interval
 from benchmarks.evidence.analysis.table import read
 from benchmarks.evidence.analysis.truth import closed_loop
 from ompl_risk import InverseDistance, Lp, Sobolev
@@ -91,7 +92,7 @@ def tail(tmp_path_factory):
 def test_a_planted_integrand_is_found(tail):
     found = fit(tail.part("train"), SIMPLE)
     assert found.choices[1] == NormOf(Lp(1), OfDistance(GaussianTail(5.0)))
-    assert found.recommended == found.choices[1]
+    assert found.preferred == found.choices[1]
     assert found.source == "tail"
     assert found.held_out[1].low > found.held_out[0].high
     best = [float(grid.max()) for grid in found.objectives]
@@ -162,7 +163,7 @@ def test_the_test_units_have_no_say(tail):
     mixed.patterns[:, 60:] = mixed.patterns[:, 60:, ::-1]
     assert not np.array_equal(mixed.hits[:, 60:], tail.hits[:, 60:])
     second = analyse(mixed, SIMPLE)
-    assert second.fit.recommended == first.fit.recommended
+    assert second.fit.preferred == first.fit.preferred
     assert second.fit.choices == first.fit.choices
     assert second.fit.held_out == first.fit.held_out
     assert second.fit.challengers == first.fit.challengers
@@ -204,7 +205,17 @@ def test_more_than_the_distance_is_recommended_only_if_certainly_better(tmp_path
     table = tabled(tmp_path, planted(curved, 0.05), rollouts=1000, change=bend)
     found = fit(table.part("train"), (*SIMPLE, CURVED))
     assert found.source == "curved"
-    assert found.recommended == NormOf(Lp(1), CorrectedTail(1.0, 16.0))
+    assert found.preferred == NormOf(Lp(1), CorrectedTail(1.0, 16.0))
+
+
+def test_what_is_not_simple_has_to_win_on_the_test_units_too():
+    draws = Bootstrap.of(np.arange(40))
+    counted = np.ones((3, 40), dtype=bool)
+    random = np.random.default_rng(0)
+    simple = random.uniform(0.5, 1.0, (3, 40))
+    assert twice_better(simple + random.uniform(0.0, 0.2, (3, 40)), simple, draws, counted)
+    assert not twice_better(simple, simple, draws, counted)
+    assert not twice_better(simple + random.normal(0.0, 0.2, (3, 40)), simple, draws, counted)
 
 
 def test_a_product_is_recommended_where_it_is_the_truth(tmp_path):
@@ -222,7 +233,7 @@ def test_a_product_is_recommended_where_it_is_the_truth(tmp_path):
     steep = NormOf(Lp(1), CorrectedTail(16.0, 1.0))
     found = fit(table.part("train"), (Family("near", (near,)), Family("steep", (steep,))))
     assert found.source == PRODUCT
-    assert found.recommended == Product(near, steep, 0.5)
+    assert found.preferred == Product(near, steep, 0.5)
 
 
 def test_only_a_certain_gain_makes_a_challenger_the_winner():

@@ -5,14 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from benchmarks.evidence.analysis.calibration import Calibration, calibrate
 from benchmarks.evidence.analysis.ceiling import halves, repeated
-from benchmarks.evidence.analysis.fitting import Family, Fit, fit
+from benchmarks.evidence.analysis.fitting import Family, Fit, fit, objective
 from benchmarks.evidence.analysis.knowing import (
     Knowing,
     Predicted,
@@ -25,6 +25,7 @@ from benchmarks.evidence.analysis.settings import (
     PAPER,
     ExpectedCollisions,
     Setting,
+    evaluated,
 )
 from benchmarks.evidence.analysis.statistics import Bootstrap, Interval, mean
 from benchmarks.evidence.analysis.table import LEVELS, Table
@@ -39,6 +40,7 @@ BY_LEVEL = (
 )
 """Families that are tuned to each level as well."""
 
+PREFERRED = "preferred by training"
 KNOWS = "knows the level"
 MODERATE = LEVELS.index("moderate")
 """The level of settings that know one, where the paper's judges know of none."""
@@ -181,9 +183,9 @@ def analyse(whole: Table, families: Sequence[Family]) -> Findings:
         raise ArgumentError("whole", str(whole.path), "a table with complete test units")
     found = fit(training, families)
     rates = [s for f in families for s in f.settings if isinstance(s, ExpectedCollisions)]
-    rows = _rows(found, _known(training, families))
-    values = evaluated_by_level([row.setting for row in rows], test.profiles)
     judge, pc = closed_loop(test), paper(test)
+    rows = _rows(found, _recommended(found, test, judge), _known(training, families))
+    values = evaluated_by_level([row.setting for row in rows], test.profiles)
     return Findings(
         whole,
         test,
@@ -211,11 +213,26 @@ def _known(training: Table, families: Sequence[Family]) -> list[Row]:
     return [*tuned, Row(KNOWS, Predicted())]
 
 
-def _rows(found: Fit, known: Sequence[Row]) -> tuple[Row, ...]:
-    rows = [Row("recommended", found.recommended)]
+def twice_better(preferred: FloatArray, simple: FloatArray, draws: Bootstrap, counted: Any) -> bool:
+    """Whether what training prefers has a certainly greater objective on the test sets too."""
+    return draws.intervals((preferred - simple)[None], counted)[0].low > 0.0
+
+
+def _recommended(found: Fit, test: Table, judge: Judgement) -> Setting:
+    if found.preferred == found.simple:
+        return found.simple
+    both = objective(evaluated([found.preferred, found.simple], test.profiles), judge)
+    draws = Bootstrap.of(test.units)
+    return found.preferred if twice_better(both[0], both[1], draws, judge.decided) else found.simple
+
+
+def _rows(found: Fit, recommended: Setting, known: Sequence[Row]) -> tuple[Row, ...]:
+    rows = [Row("recommended", recommended)]
     rows += [Row("paper", setting) for setting in PAPER]
     rows += [
         Row(family.name, setting)
         for family, setting in zip(found.families, found.choices, strict=True)
     ]
+    if found.preferred != found.simple:
+        rows.insert(1 + len(PAPER), Row(PREFERRED, found.preferred))
     return (*rows, *known, Row("fastest flight, risk unseen", FASTEST))

@@ -12,7 +12,8 @@ A family's parameters are those of greatest objective. Families are compared by 
 each is fitted anew without a tenth of the terrains and scored on these. Of the simple ones, norms
 of an avoidance function of the distance alone, which every part of the library takes, the best is
 recommended; unless one that needs more than the distance, a rate, or a product of two settings is
-certainly better (95 % interval of the paired difference above zero).
+certainly better (95 % interval of the paired difference above zero), there and once more on the
+test units: what is more complicated has to win twice.
 """
 
 from __future__ import annotations
@@ -82,8 +83,10 @@ class Fit:
         objectives: of each family's grid, in its order.
         held_out: each family's objective on terrains that it was not fitted on.
         challengers: families that are not simple, and the best product.
-        recommended: the setting to use.
-        source: name of its family.
+        simple: the setting of the best simple family.
+        preferred: that, or the challenger of greatest gain among those certainly better.
+        source: name of the preferred one's family.
+        leader: name of the best simple family.
         sets: number of decided sets, and of all.
     """
 
@@ -92,8 +95,10 @@ class Fit:
     objectives: tuple[FloatArray, ...]
     held_out: tuple[Interval, ...]
     challengers: tuple[Challenger, ...]
-    recommended: Setting
+    simple: Setting
+    preferred: Setting
     source: str
+    leader: str
     sets: tuple[int, int]
 
 
@@ -133,8 +138,10 @@ def fit(training: Table, families: Sequence[Family]) -> Fit:
         tuple(gain.sum(axis=1) / number.sum() for gain in gains),
         tuple(_intervals(draws, held, number)),
         challengers,
+        choices[leader],
         winner.setting,
         winner.name,
+        families[leader].name,
         (int(number.sum()), judge.decided.size),
     )
 

@@ -9,6 +9,7 @@ from benchmarks import environment
 from benchmarks.evidence import procedure
 from benchmarks.evidence.analysis import calibration, ceiling, fitting, statistics, strata
 from benchmarks.evidence.analysis.findings import Findings
+from benchmarks.evidence.analysis.knowing import Knowing
 from benchmarks.evidence.analysis.settings import NormOf, OfDistance, Setting
 from benchmarks.evidence.analysis.table import Table
 from benchmarks.evidence.analysis.tables import Sheet, markdown
@@ -67,7 +68,7 @@ def page(findings: Findings, tables: Sequence[Sheet], figures: dict[str, str]) -
     lines += [QUESTION, "", "## Answer", ""]
     for paragraph in answer(findings):
         lines += [paragraph, ""]
-    lines += ["In code:", "", f"    {code(findings.fit.recommended)}", ""]
+    lines += ["In code:", "", f"    {code(findings.rows[0].setting)}", ""]
     lines += ["## Scores", "", SCORES, "", *_images(figures, "Scores")]
     for sheet in tables:
         lines += _section(sheet, figures)
@@ -76,7 +77,7 @@ def page(findings: Findings, tables: Sequence[Sheet], figures: dict[str, str]) -
     return "\n".join(lines).rstrip() + "\n"
 
 
-def code(setting: Setting) -> str:
+def code(setting: Setting | Knowing) -> str:
     """How a setting is used."""
     if isinstance(setting, NormOf) and isinstance(setting.integrand, OfDistance):
         avoidance, norm = setting.integrand.avoidance, setting.norm

@@ -14,6 +14,7 @@ from benchmarks.evidence.analysis.knowing import ByLevel, Knowing, Predicted
 from benchmarks.evidence.analysis.statistics import Interval
 from benchmarks.evidence.analysis.strata import strata
 from benchmarks.evidence.analysis.table import SPLITS, STATUSES
+from ompl_risk._arrays import FloatArray
 
 
 class Sheet(NamedTuple):
@@ -135,7 +136,7 @@ def predicted(findings: Findings) -> Sheet:
         said, counted = findings.values[k, level].ravel(), findings.judge.values[level].ravel()
         numbers = (
             said.mean(), counted.mean(), float(np.sqrt(np.mean((said - counted) ** 2))),
-            float(np.abs(said - counted).max()), float(np.corrcoef(said, counted)[0, 1]),
+            float(np.abs(said - counted).max()), _correlation(said, counted),
         )  # fmt: skip
         lines.append([name, *(f"{x:.4f}" for x in numbers)])
     header = (
@@ -143,6 +144,13 @@ def predicted(findings: Findings) -> Sheet:
         "correlation",
     )  # fmt: skip
     return Sheet("Probability of collision predicted without rollouts: test flights", header, lines)
+
+
+def _correlation(a: FloatArray, b: FloatArray) -> float:
+    """Pearson's; NaN where one of them is the same everywhere."""
+    if a.std() == 0.0 or b.std() == 0.0:
+        return float("nan")
+    return float(np.corrcoef(a, b)[0, 1])
 
 
 def by_level(findings: Findings, metric: str) -> Sheet:

@@ -184,6 +184,19 @@ def _where(findings: Findings) -> str:
     )
 
 
+def _twice(findings: Findings) -> str:
+    """What became of a preference for something that is not simple."""
+    found = findings.fit
+    if found.preferred == found.simple:
+        return "None is certainly better, so the simple setting is recommended."
+    won = findings.rows[0].setting == found.preferred
+    return (
+        f"Training prefers the {found.source}; on the test units it is "
+        f"{'certainly better too, and recommended' if won else 'not certainly better'}"
+        f"{'.' if won else ', so the simple setting is recommended.'}"
+    )
+
+
 def _challengers(findings: Findings) -> str:
     """What was not simple, and whether it was certainly better."""
     parts = [
@@ -192,7 +205,7 @@ def _challengers(findings: Findings) -> str:
         for each in findings.fit.challengers
     ]
     return (
-        f'The recommended setting is of the family "{findings.fit.source}". On terrains held out '
-        "of training, objective over that of the best simple family: "
-        f"{'; '.join(parts) or 'nothing else was tried'}."
+        f'The best simple family of training is "{findings.fit.leader}". On terrains held out of '
+        f"training, objective over that: {'; '.join(parts) or 'nothing else was tried'}. "
+        f"{_twice(findings)}"
     )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from benchmarks.evidence.analysis.findings import Row
+from benchmarks.evidence.analysis.findings import PREFERRED, Row
 from ompl_risk.report.style import COLOURS, FAINT, INK, SIZES
 
 RECOMMENDED = COLOURS[3]
@@ -26,6 +26,8 @@ def colour(row: Row) -> str:
 def name(row: Row) -> str:
     """A setting as axes show it."""
     mark = {"recommended": "recommended: ", "paper": "paper: "}.get(row.role, "")
+    if row.role == PREFERRED:
+        return "what training prefers"  # the label of a product is too long
     text = "fastest flight" if row.setting.label == "duration" else row.setting.label
     return mark + text
 
