@@ -135,7 +135,9 @@ def test_inverted_mesh_is_refused():
         (lambda: UnionClearance([]), "members"),
         (lambda: UnionClearance([3]), "members[0] = 3"),
         (
-            lambda: UnionClearance([MovingClearance(MovingSphere(1.0, [0.0], [[0.0, 0.0, 0.0]]))]),
+            lambda: UnionClearance(
+                [MovingClearance(MovingSphere(1.0, [0.0, 1.0], np.zeros((2, 3))))]
+            ),
             "stands still",
         ),
         (lambda: UnionClearance([lambda p: np.zeros(3)])([[0, 0, 0]]), "members[0](points).shape"),

@@ -151,6 +151,5 @@ def test_uniform_times_of_higher_norms_are_used_too():
 
 
 def test_a_union_of_what_moves_is_refused():
-    union = UnionClearance([MovingClearance(passing()), lambda points: points[:, 2] + 99.0])
-    with pytest.raises(ArgumentError, match="times = None"):
-        rank([hover()], union, F)
+    with pytest.raises(ArgumentError, match="stands still"):
+        UnionClearance([MovingClearance(passing()), lambda points: points[:, 2] + 99.0])
