@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from typing import TYPE_CHECKING, Any
 
 from rich import box
@@ -35,13 +35,7 @@ STEP = 0.1
 
 
 def closed_loop(
-    plans: Sequence[Any],
-    scene: Scene,
-    settings: JudgeSettings,
-    folder: RunFolder,
-    console: Console,
-    *,
-    seed: int = 0,
+    plans: Sequence[Any], scene: Scene, settings: JudgeSettings, console: Console, *, seed: int = 0
 ) -> Sequence[CollisionEstimate]:
     """Fly every path ``settings.rollouts`` times; none if that is left out.
 
@@ -49,7 +43,6 @@ def closed_loop(
         plans: flights or trajectories.
         scene: what can be hit.
         settings: how often, and in which disturbances.
-        folder: where closed_loop.json is written.
         console: where progress is shown.
         seed: of the disturbances.
     """
@@ -58,7 +51,7 @@ def closed_loop(
     disturbances = Disturbances.level(settings.disturbances)
     with progress_bar(console) as progress:
         flying = progress.add_task("flying in wind and errors", total=len(plans))
-        found = closed_loop_probability(
+        return closed_loop_probability(
             plans,
             scene.clearance,
             disturbances,
@@ -66,19 +59,28 @@ def closed_loop(
             seed=seed,
             on_plan=lambda _estimate: progress.advance(flying),
         )
-    facts = {"level": settings.disturbances, "disturbances": asdict(disturbances)}
-    folder.write_json("closed_loop.json", {**facts, "paths": [one.to_dict() for one in found]})
-    return found
 
 
-def draw_closed_loop(
-    judgement: Judgement, scene: Scene, folder: RunFolder, console: Console, title: str
+def write_closed_loop(
+    judgement: Judgement,
+    scene: Scene,
+    settings: JudgeSettings,
+    folder: RunFolder,
+    console: Console,
+    title: str,
 ) -> None:
-    """Draw where the rollouts of the ranked paths collide, if they were flown."""
+    """Write and draw what became of the rollouts of the ranked paths, if they were flown."""
     ranking = judgement.ranking
-    flown = [a.estimate for a in ranking.assessments if isinstance(a.estimate, CollisionEstimate)]
+    flown = [
+        replace(a.estimate, name=a.name)
+        for a in ranking.assessments
+        if isinstance(a.estimate, CollisionEstimate)
+    ]
     if not flown:
         return
+    disturbances = asdict(Disturbances.level(settings.disturbances))
+    facts = {"level": settings.disturbances, "disturbances": disturbances}
+    folder.write_json("closed_loop.json", {**facts, "paths": [one.to_dict() for one in flown]})
     from ompl_risk.report import closed_loop_figure
 
     paths = [assessment.trajectory for assessment in ranking.assessments]

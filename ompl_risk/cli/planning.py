@@ -12,8 +12,8 @@ from ompl_risk.cli.candidates import CandidateFinder
 from ompl_risk.cli.closed_loop import (
     LEAST_BUDGET,
     closed_loop,
-    draw_closed_loop,
     spend_budget,
+    write_closed_loop,
 )
 from ompl_risk.cli.finding import Finder, Found
 from ompl_risk.cli.helicopter import PLACES, HelicopterFinder
@@ -54,7 +54,7 @@ def plan(settings: PlanSettings, console: Console) -> Judgement:
     few = "" if len(found.trajectories) == settings.count else f" instead of {settings.count}"
     console.print(f"{found.summary}{few}.", markup=False, highlight=False)
     estimates = closed_loop(
-        found.flights or found.trajectories, scene, settings, folder, console, seed=settings.seed
+        found.flights or found.trajectories, scene, settings, console, seed=settings.seed
     )
     judgement = judge(found.trajectories, scene, letters=True, estimates=estimates)
     title = _title(settings, scene, problem, len(found.trajectories))
@@ -67,7 +67,7 @@ def plan(settings: PlanSettings, console: Console) -> Judgement:
         facts=_facts(settings, judgement, found),
         ceiling=float(problem.high[2]),
     )
-    draw_closed_loop(judgement, scene, folder, console, title)
+    write_closed_loop(judgement, scene, settings, folder, console, title)
     if found.flights:
         from ompl_risk.cli.flights import write_flights
 

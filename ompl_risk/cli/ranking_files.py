@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from ompl_risk.cli.closed_loop import closed_loop, draw_closed_loop
+from ompl_risk.cli.closed_loop import closed_loop, write_closed_loop
 from ompl_risk.cli.judging import Judgement, judge, report
 from ompl_risk.cli.run_folder import RunFolder, settings_as_values
 from ompl_risk.cli.scene import scene_of
@@ -39,7 +39,7 @@ def rank_files(
     folder = RunFolder(settings.output)
     values = settings_as_values(terrain, settings)
     folder.write_config("rank", {**values, "files": [file.resolve() for file in files]})
-    judgement = judge(read, scene, estimates=closed_loop(read, scene, settings, folder, console))
+    judgement = judge(read, scene, estimates=closed_loop(read, scene, settings, console))
     title = f"{scene.terrain.name}: {len(files)} trajectories"
     report(
         judgement,
@@ -49,7 +49,7 @@ def rank_files(
         title=title,
         facts={"files": {name: str(f.resolve()) for name, f in zip(names, files, strict=True)}},
     )
-    draw_closed_loop(judgement, scene, folder, console, title)
+    write_closed_loop(judgement, scene, settings, folder, console, title)
     return judgement
 
 

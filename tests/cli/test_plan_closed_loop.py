@@ -34,6 +34,7 @@ def test_ranking_has_the_share_that_collides(budgeted):
     ranked = sorted(t["probability"]["probability"] for t in ranking["trajectories"])
     assert ranked == shares
     assert {one["rollouts"] for one in flown["paths"]} == {200}
+    assert [one["name"] for one in flown["paths"]] == [t["name"] for t in ranking["trajectories"]]
     assert flown["disturbances"]["terrain"]["deviation"] == pytest.approx(16 / 1.645)
 
 

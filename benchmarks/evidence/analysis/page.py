@@ -37,6 +37,11 @@ LIMITS = (
     "One vehicle, one tracking controller and one model of the disturbances, each with a stated "
     "source but none measured on a real flight: what is recommended suits errors of this kind and "
     "size. With errors of another size the lengths in the setting have to be fitted anew.",
+    "Terrains are drawn by the number of a unit alone: those of the first units had been flown "
+    "over, with other starts and goals, while the procedure was chosen.",
+    "A rollout that leaves the map or goes out of control would count as a collision like one that "
+    "hits the ground. How rollouts end is not kept; in those that were looked at every hit was a "
+    "contact.",
     "The three levels of disturbance weigh by their number of decided sets. The tables by level "
     "show what that hides.",
     "One of the test grounds is a single map of a real place, on which all its units lie; the "
