@@ -12,7 +12,7 @@ from scipy.stats import binomtest
 from benchmarks.evidence.analysis.ceiling import halves, repeated
 from benchmarks.evidence.analysis.metrics import kendall_tau, ranks, scores
 from benchmarks.evidence.analysis.table import MEMBERS, read
-from benchmarks.evidence.analysis.truth import closed_loop, decided, mcnemar, paper
+from benchmarks.evidence.analysis.truth import certain, closed_loop, decided, mcnemar, paper
 from ompl_risk import Lp, Sobolev
 from ompl_risk.ranking.agreement import kendall_tau as library_tau
 
@@ -163,3 +163,17 @@ def test_flights_that_collide_alike_share_the_honour(tmp_path):
     assert (found.safest == 1.0).all()
     assert (found.regret == 0.0).all()
     assert (found.tau == 0.0).all()
+
+
+@pytest.mark.parametrize(
+    ("chances", "is_certain"),
+    [([0.05, 0.3, 0.4, 0.5, 0.6], True), ([0.05, 0.05, 0.4, 0.5, 0.6], False), ([0.1] * 5, False)],
+)
+def test_the_safest_is_certain_only_where_it_differs_from_every_other(
+    tmp_path, chances, is_certain
+):
+    made = units(6, lambda _five, _level: np.array(chances), rollouts=600, independent=True)
+    table = read(write(tmp_path / "t.parquet", made))
+    assert certain(table).mean() == (1.0 if is_certain else 0.0)
+    if not is_certain and chances[0] != chances[-1]:
+        assert decided(table).all()  # the riskiest does differ

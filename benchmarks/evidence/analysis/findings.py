@@ -29,7 +29,7 @@ from benchmarks.evidence.analysis.settings import (
 )
 from benchmarks.evidence.analysis.statistics import Bootstrap, Interval, mean
 from benchmarks.evidence.analysis.table import LEVELS, Table
-from benchmarks.evidence.analysis.truth import Judgement, closed_loop, paper
+from benchmarks.evidence.analysis.truth import Judgement, certain, closed_loop, paper
 from ompl_risk._arrays import FloatArray
 from ompl_risk.errors import ArgumentError
 
@@ -89,13 +89,14 @@ class Findings:
 
     @cached_property
     def masks(self) -> dict[str, NDArray[np.bool_]]:
-        """Which sets count: the decided ones of all levels and of each, and all sets."""
+        """Which sets count: decided ones of all levels, of each, and with a sure safest; all."""
         decided = self.judge.decided
         levels = {
             name: decided & (np.arange(len(decided)) == k)[:, None]
             for k, name in enumerate(self.judge.names)
         }
-        return {"pooled": decided, **levels, "all sets": np.ones_like(decided)}
+        sure = {"certain": certain(self.test)}
+        return {"pooled": decided, **levels, **sure, "all sets": np.ones_like(decided)}
 
     @property
     def paper(self) -> slice:

@@ -32,6 +32,12 @@ METRICS = {
     "regret": "regret",
 }
 """Scores as columns are called."""
+MASKS = {
+    "pooled": "decided sets of all levels",
+    "certain": "sets in which the safest flight is certain",
+    "all sets": "all sets, undecided ones too",
+}
+"""Sets as titles call them."""
 ORDERING = ("safest", "tau")
 """Those that the target is about."""
 
@@ -47,6 +53,8 @@ def sheets(findings: Findings) -> Iterator[Sheet]:
     yield by_level(findings, "safest")
     yield by_level(findings, "tau")
     yield ceiling(findings)
+    if findings.masks["certain"].any():
+        yield standing(findings, "certain")
     if findings.calibration:
         yield calibrated(findings)
     yield by_pc(findings)
@@ -83,7 +91,7 @@ def fitted(findings: Findings) -> Sheet:
 
 def standing(findings: Findings, mask: str) -> Sheet:
     """All settings by all scores, levels pooled."""
-    what = "decided sets of all levels" if mask == "pooled" else "all sets, undecided ones too"
+    what = MASKS[mask]
     columns = [
         [written(metric, each) for each in findings.intervals(metric, mask)] for metric in METRICS
     ]

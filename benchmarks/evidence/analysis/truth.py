@@ -64,6 +64,16 @@ def decided(table: Table) -> NDArray[np.bool_]:
     return enough & (PAIRS * mcnemar(table) <= SIGNIFICANCE)
 
 
+def certain(table: Table) -> NDArray[np.bool_]:
+    """Decided sets in which the safest flight certainly differs from each other one, shape (3, U).
+
+    McNemar's exact test between it and each of the four, corrected as in `decided`.
+    """
+    order = table.hits.argsort(axis=-1, kind="stable")
+    tests = [_mcnemar(table, order[..., k], order[..., 0]) for k in range(1, FLIGHTS)]
+    return decided(table) & (PAIRS * np.max(tests, axis=0) <= SIGNIFICANCE)
+
+
 def mcnemar(table: Table) -> FloatArray:
     """Two-sided exact p value of the riskiest against the safest flight, shape (3, U).
 
@@ -73,8 +83,12 @@ def mcnemar(table: Table) -> FloatArray:
 
     Reference: McNemar, Psychometrika 12 (1947).
     """
-    hits = table.hits
-    most, fewest = MEMBERS.T[hits.argmax(axis=-1)], MEMBERS.T[hits.argmin(axis=-1)]
+    return _mcnemar(table, table.hits.argmax(axis=-1), table.hits.argmin(axis=-1))
+
+
+def _mcnemar(table: Table, one: NDArray[np.intp], other: NDArray[np.intp]) -> FloatArray:
+    """The same of two flights of each set, by their numbers, shapes (3, U)."""
+    most, fewest = MEMBERS.T[one], MEMBERS.T[other]
     b = (table.patterns * most * (1 - fewest)).sum(axis=-1)
     c = (table.patterns * fewest * (1 - most)).sum(axis=-1)
     return np.minimum(1.0, 2.0 * binom.cdf(np.minimum(b, c), b + c, 0.5))

@@ -78,7 +78,8 @@ def _room(findings: Findings, safest: Comparison) -> str:
     ends = [mean(each.safest, counted) for each in findings.ceiling]
     rows = [row.setting for row in findings.rows]
     scores = mean(findings.by_judge.safest, counted)
-    best, top = scores[rows.index(safest.best)], int(np.argmax(scores))
+    best_row = rows.index(safest.best)
+    best, top = scores[best_row], int(np.argmax(scores))
     low, high = sorted(100 * (end - best) for end in ends)
     enough = (
         f"less than the {100 * POINTS:.0f} points asked for: no setting could be expected to gain "
@@ -90,7 +91,25 @@ def _room(findings: Findings, safest: Comparison) -> str:
         f"Why: {safest.best.label} is {low:+.1f} to {high:+.1f} points from where the judge's own "
         f"noise ends (see the ceiling), {enough}. The most that any setting listed here finds on "
         f"test is {100 * scores[top]:.0f} % ({rows[top].label}), {100 * (scores[top] - best):+.1f} "
-        "points; picking it now would be picking by the test."
+        f"points; picking it now would be picking by the test. {_certain(findings, best_row)}"
+    ).rstrip()
+
+
+def _certain(findings: Findings, best: int) -> str:
+    """How it goes where the judge knows which flight is the safest."""
+    counted = findings.masks["certain"]
+    if not counted.any():
+        return ""
+    found = findings.intervals("safest", "certain")
+    return (
+        f"In the {int(counted.sum())} sets in which the judge is certain which flight is the "
+        f"safest, {findings.rows[best].setting.label} finds it in {share(found[best])} and "
+        f"{findings.rows[0].setting.label} in {share(found[0])}: there is little left to gain, "
+        "and what differs is how settings order flights that are nearly equally safe."
+        if found[best].mean > 1.0 - POINTS
+        else f"In the {int(counted.sum())} sets in which the judge is certain which flight is the "
+        f"safest, {findings.rows[best].setting.label} finds it in {share(found[best])} and "
+        f"{findings.rows[0].setting.label} in {share(found[0])}."
     )
 
 
