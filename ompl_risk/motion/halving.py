@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import NamedTuple, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from ompl_risk._arrays import FloatArray
 from ompl_risk._kernels.motion import CONTACT, FIRST, NEAR
 from ompl_risk._kernels.shares import BLIND, COARSE, FINE
+from ompl_risk._pieces import Pieces
 from ompl_risk.motion.base import Risk
 from ompl_risk.motion.lines import BLOCK
 from ompl_risk.norms.lp import mean_power
@@ -42,45 +43,9 @@ class Motions(Protocol):
         ...
 
 
-class Pieces(NamedTuple):
-    """Pieces of motions.
-
-    Attributes:
-        k: which motion they belong to.
-        s0, s1: their ends, as fractions of the motion.
-        d0, d1: clearances there [m].
-    """
-
-    k: NDArray[np.intp]
-    s0: FloatArray
-    s1: FloatArray
-    d0: FloatArray
-    d1: FloatArray
-
-    def where(self, keep: NDArray[np.bool_] | slice) -> Pieces:
-        """Some of them."""
-        k, s0, s1, d0, d1 = self
-        return Pieces(k[keep], s0[keep], s1[keep], d0[keep], d1[keep])
-
-    def lengths(self, lines: Motions) -> FloatArray:
-        """Distances travelled on them [m]."""
-        return (self.s1 - self.s0) * lines.travel[self.k]
-
-    @property
-    def middle(self) -> FloatArray:
-        """Fractions of the motion in their middles."""
-        return 0.5 * (self.s0 + self.s1)
-
-    def halved(self, d: FloatArray) -> Pieces:
-        """Both halves of all; ``d`` holds the clearances in the middles."""
-        s, both = self.middle, np.concatenate
-        return Pieces(
-            both((self.k, self.k)),
-            both((self.s0, s)),
-            both((s, self.s1)),
-            both((self.d0, d)),
-            both((d, self.d1)),
-        )
+def _lengths(pieces: Pieces, lines: Motions) -> FloatArray:
+    """Distances travelled on them [m]."""
+    return (pieces.s1 - pieces.s0) * lines.travel[pieces.k]
 
 
 def are_free(lines: Motions) -> NDArray[np.bool_]:
@@ -89,8 +54,8 @@ def are_free(lines: Motions) -> NDArray[np.bool_]:
     free = least > CONTACT
 
     def step(pieces: Pieces) -> Pieces:
-        near = pieces.d0 + pieces.d1 <= pieces.lengths(lines) + CONTACT
-        pieces = pieces.where(near & free[pieces.k])
+        near = pieces.d0 + pieces.d1 <= _lengths(pieces, lines) + CONTACT
+        pieces = pieces.chosen(near & free[pieces.k])
         if not len(pieces.k):
             return pieces
         d = lines.clearances(pieces.k, pieces.middle)
@@ -111,8 +76,8 @@ def maxima(lines: Motions, risk: Risk) -> FloatArray:
         length = np.clip(found, NEAR * far, far) if steady is None else COARSE * steady
         enough = found - tolerance * length
         enough = np.minimum(np.maximum(enough, 0.5 * CONTACT), far)
-        lowest = 0.5 * (pieces.d0 + pieces.d1 - pieces.lengths(lines))
-        pieces = pieces.where((lowest < enough) & (found > CONTACT))
+        lowest = 0.5 * (pieces.d0 + pieces.d1 - _lengths(pieces, lines))
+        pieces = pieces.chosen((lowest < enough) & (found > CONTACT))
         if not len(pieces.k):
             return pieces
         d = lines.clearances(pieces.k, pieces.middle)
@@ -143,20 +108,20 @@ def powers(lines: Motions, risk: Risk, seconds: FloatArray | None = None) -> Flo
 
     def step(pieces: Pieces) -> Pieces:
         nonlocal total
-        h = pieces.lengths(lines)
+        h = _lengths(pieces, lines)
         near = (pieces.d0 + pieces.d1 - h < 2.0 * far) & (total[pieces.k] < math.inf)
-        pieces, h = pieces.where(near), h[near]
+        pieces, h = pieces.chosen(near), h[near]
         if not len(pieces.k):
             return pieces
         d = lines.clearances(pieces.k, pieces.middle)
         if d.min() <= CONTACT:
             total[pieces.k[d <= CONTACT]] = math.inf
             flown = total[pieces.k] < math.inf
-            pieces, h, d = pieces.where(flown), h[flown], d[flown]
+            pieces, h, d = pieces.chosen(flown), h[flown], d[flown]
         dt = (pieces.s1 - pieces.s0) * seconds[pieces.k]
         done, shares = _settled(pieces, h, dt, d, risk)
         total += np.bincount(pieces.k[done], shares[done], minlength=n)
-        return pieces.where(~done).halved(d[~done])
+        return pieces.chosen(~done).halved(d[~done])
 
     _refine(pieces, step)
     return total
@@ -223,8 +188,8 @@ def _refine(pieces: Pieces, step: Callable[[Pieces], Pieces]) -> None:
     while waiting:
         pieces = waiting.pop()
         if len(pieces.k) > BLOCK:
-            waiting.append(pieces.where(slice(BLOCK, None)))
-            pieces = pieces.where(slice(BLOCK))
+            waiting.append(pieces.chosen(slice(BLOCK, None)))
+            pieces = pieces.chosen(slice(BLOCK))
         halves = step(pieces)
         if len(halves.k):
             waiting.append(halves)

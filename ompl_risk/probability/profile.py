@@ -5,10 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import NDArray
 
 from ompl_risk._arrays import FloatArray, positive
 from ompl_risk.clearance import TerrainClearance
@@ -18,11 +17,6 @@ from ompl_risk.probability.estimators import BallSampling, ColumnQuadrature, Est
 from ompl_risk.probability.mixed import ColumnsAndSampling
 from ompl_risk.probability.proportion import Proportion
 from ompl_risk.trajectory import Trajectory
-
-
-class _Grid(NamedTuple):
-    t: FloatArray
-    positions: NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
