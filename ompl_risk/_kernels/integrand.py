@@ -23,6 +23,9 @@ the offset."""
 PARTS = 8
 """Parts of a way for a lower bound without a closed form."""
 
+SHORT = 1e-3
+"""Ways shorter than this share of the clearance would be lost in the rounding of closed forms."""
+
 ROOT_PI = math.sqrt(math.pi)
 
 
@@ -75,9 +78,10 @@ def least_integral(d, s, p, given):
     if s <= 0.0:
         return 0.0
     x = d + s
-    if given[KIND] == INVERSE and p == 1.0:
+    exact = given[KIND] == INVERSE and s > SHORT * d
+    if exact and p == 1.0:
         return max(math.log(x / d) - s / far, 0.0)
-    if given[KIND] == INVERSE and p == 2.0:
+    if exact and p == 2.0:
         return max(1.0 / d - 1.0 / x - 2.0 * math.log(x / d) / far + s / (far * far), 0.0)
     total = 0.0
     begin = 0.0

@@ -43,7 +43,8 @@ def settled(d0, d, d1, h, dt, given):
         given: the parameters.
     """
     p, tau, tolerance = given[POWER], given[TAU], given[TOLERANCE]
-    near = min(d0, d, d1, given[FAR])
+    far = given[FAR]
+    near = min(d0, d, d1, far)
     length = reach(near, given)
     if h > COARSE * length or 0.5 * h >= d + min(d0, d1):  # else d is positive everywhere
         return -1.0
@@ -54,6 +55,8 @@ def settled(d0, d, d1, h, dt, given):
     twice = _piece(f0, f, 0.5 * dt, p, tau) + _piece(f, f1, 0.5 * dt, p, tau)
     change = twice - once
     exact = abs(change) <= tolerance * (twice + given[SMALL] * dt)
+    if tau > 0.0 and near < far < max(d0, d, d1):
+        exact = False  # f' jumps at d0, and close to an end of the piece the change hardly shows it
     if h <= FINE * tolerance * length or (exact and (twice > 0.0 or h <= BLIND * near)):
         return max(twice + change / 3.0, 0.0)
     return -1.0

@@ -139,8 +139,8 @@ def _settled(
         d: clearances in their middles [m].
         risk: how risk is counted.
     """
-    ends = np.minimum(pieces.d0, pieces.d1)
-    near = np.minimum(np.minimum(ends, d), risk.avoidance.d0)
+    ends, far = np.minimum(pieces.d0, pieces.d1), risk.avoidance.d0
+    near = np.minimum(np.minimum(ends, d), far)
     length = near if risk.avoidance.steady is None else risk.avoidance.steady
     f0, f, f1 = risk.avoidance(np.stack([pieces.d0, d, pieces.d1]))
     once = _integrals(f0, f1, dt, risk)
@@ -148,6 +148,8 @@ def _settled(
     change = twice - once
     exact = np.abs(change) <= risk.tolerance * (twice + risk.negligible * dt)
     exact &= (twice > 0.0) | (h <= BLIND * near)
+    if risk.time_scale > 0.0:  # f' jumps at d0: see the kernel
+        exact &= (near >= far) | (np.maximum(np.maximum(pieces.d0, pieces.d1), d) <= far)
     done = (h <= COARSE * length) & (exact | (h <= FINE * risk.tolerance * length))
     done &= 0.5 * h < d + ends  # so d is positive everywhere
     return done, np.maximum(twice + change / 3.0, 0.0)

@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 from ompl_risk.norms import Lp, Sobolev
+from ompl_risk.planners.improve.judge import FINE
 from ompl_risk.terrains import Terrain
 
 NORMS = [Sobolev(1), Sobolev(1, time_scale=4.0), Lp(1), Lp(2), Lp(3.5), Lp(math.inf)]
@@ -61,6 +62,20 @@ def norm_along(clearance, path, norm, speed, d0=D0):
     if math.isinf(norm.p):
         return f.max()
     return np.trapezoid(f**norm.p, t) ** (1.0 / norm.p)
+
+
+def power(norm, value):
+    """The p-th power of a norm, or the norm for p = inf: what the motions of a path add up to."""
+    return value if math.isinf(norm.exponent) else value**norm.exponent
+
+
+def left_open(risk, duration, step=0.05):
+    """How far apart the judge of paths and dense samples may be in that.
+
+    The judge may leave out what is negligible; samples miss part of the step where f' jumps, at d0.
+    """
+    jump = (risk.time_scale * risk.speed / risk.avoidance.d0**2) ** 2
+    return FINE * risk.negligible * duration + jump * step / risk.speed
 
 
 def least_norm_over_flat_ground(norm, d0, ends, length, longest, speed):

@@ -147,7 +147,7 @@ def test_every_path_has_a_way_no_slower_within_the_precision(graph, precision, r
     ways = pareto_set(graph, 0, goal, precision=precision, riskiest=riskiest)
     rounding = 1 + 1e-12
     for t, r in pairs(graph, [0], {goal}):
-        if r <= riskiest:
+        if r * rounding <= riskiest:
             assert any(
                 w.duration <= t * rounding and w.risk <= (1 + precision) * r * rounding
                 for w in ways
