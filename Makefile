@@ -4,13 +4,17 @@ VENV   := .venv
 BIN    := $(VENV)/bin
 READY  := .make/ready
 
-.PHONY: run test lint format benchmark clean
+.PHONY: run test fuzz lint format benchmark clean
 
 run: $(READY)
 	$(BIN)/ompl-risk plan $(ARGS)
 
 test: $(READY)
 	$(BIN)/python -m pytest -n 2 $(ARGS)
+
+# Properties are tried with the same examples each time by `test`, with new ones by `fuzz`.
+fuzz: $(READY)
+	$(BIN)/python -m pytest -n 2 -m hypothesis --hypothesis-profile=new $(ARGS)
 
 lint: $(READY)
 	$(BIN)/ruff format --check .

@@ -79,6 +79,7 @@ def _newton(
             break
         if not np.isfinite(unknowns).all():
             break
+        unknowns[:2] = [math.remainder(angle, math.tau) for angle in unknowns[:2]]
     return best, least
 
 

@@ -136,6 +136,13 @@ def test_drag_in_straight_flight():
     assert climbing.control[0] == pytest.approx(DRAGGED.weight + 0.7 * 5.0, rel=1e-14)
 
 
+def test_steps_that_overshoot_do_not_wind_up_the_attitude():
+    falling = Helicopter(1.0, inertia=(1.0, 1.0, 1.0), hub=0.5, tail=1.0, drag=(1.0, 0.0, 2.0))
+    trim = solve_trim(falling, 1.0, -5.0)  # drag carries nearly the whole weight
+    assert abs(trim.pitch) < math.pi / 2
+    assert trim.orientation[3] > 0.0
+
+
 @settings(deadline=None, max_examples=40)
 @given(vehicles, numbers(0.0, 35.0), numbers(-8.0, 8.0))
 def test_straight_trims_are_exactly_within_their_plane(helicopter, speed, climb):

@@ -175,7 +175,7 @@ def test_heuristic_is_a_lower_bound_for_straight_and_for_bent_ways(kind, norm):
 @settings(max_examples=60, deadline=None)
 def test_costs_add_up_along_a_motion_and_do_not_depend_on_direction(seed, cut):
     clearance = TerrainClearance(hills(5), radius=2.0)
-    motion, grazing = model(TerrainMotion, clearance, tolerance=1e-3), 20.0 / D0**3
+    motion, grazing = model(TerrainMotion, clearance, tolerance=1e-5), 20.0 / D0**3
     a, b = random_motion(clearance.terrain, seed, 10, 60)
     c = a + cut * (b - a)
     whole = ask(motion, (a, b), "cost")
