@@ -33,8 +33,13 @@ with the fuselage's areas S = (0.10, 0.22, 0.15) m^2:
 
 A rotor answers to gusts upward far more than a fuselage does.
 
+Mass, areas of the fuselage, radii and speeds of the rotors agree with quotations of the report;
+chords, lift slopes a and C_La, K_mu, eta = 0.9 and the fins could not be checked so and are
+assumptions. So is that a gust acts everywhere at once and the rotors' inflow settles with it.
+
 Reference: Gavrilets, Mettler & Feron, Nonlinear model for a small-size acrobatic helicopter, AIAA
-2001-4333; Gavrilets, Mettler & Feron, MIT-LIDS report P-2579, 2003 (the parameters).
+2001-4333; Gavrilets, Mettler & Feron, Dynamic model for a miniature aerobatic helicopter, MIT-LIDS
+report P-2579, 2003 (the parameters).
 """
 
 
@@ -59,10 +64,15 @@ class DrydenGusts:
     Limits of the model:
 
     - It holds from 10 ft to 1000 ft; beyond, the scales and intensities at these heights are taken.
-    - V is the airspeed, but at least W20: past a vehicle that hovers turbulence is carried by the
-      wind. The mean wind itself is not simulated: it is taken to be known to the plan.
-    - The axes are those of the flight, as in the specification: in a turn the horizontal gusts turn
-      with the vehicle. The angular gusts p, q, r are left out: a small vehicle is a point here.
+    - It is one of aeroplanes, whose speed is large beside the wind and its gusts: that the
+      turbulence is frozen holds the less, the slower the flight. For a small helicopter it is an
+      assumption.
+    - V is the airspeed, but at least W20, an assumption made here: past a vehicle that hovers
+      turbulence is carried by the wind. The mean wind itself is not simulated: it is taken to be
+      known to the plan.
+    - The axes are those of the flight: u lies along the air's motion past the vehicle, and in a
+      turn the horizontal gusts turn with it. JSBSim lays u along the wind over the ground instead.
+    - The angular gusts p, q, r are left out: a small vehicle is a point here.
     - A gust w pushes with ``drag * (R^T w)``, as if turbulence were the same all over the body.
 
     Args:
@@ -73,8 +83,9 @@ class DrydenGusts:
     Raises:
         ArgumentError: a wind that is not positive, or a drag below 0.
 
-    Reference: MIL-F-8785C, Flying qualities of piloted airplanes, 1980, section 3.7 (with scales
-    L_v, L_w twice those of MIL-HDBK-1797, whose formulas have 2 L in their place: the same gusts).
+    Reference: MIL-F-8785C, Flying qualities of piloted airplanes, 1980, section 3.7, the scales in
+    its figure 10, the intensities in figure 11 (L_v and L_w are twice those of MIL-HDBK-1797, 1997,
+    whose formulas have 2 L in their place: the same gusts).
     """
 
     wind_at_6m: float

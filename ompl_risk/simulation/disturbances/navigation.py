@@ -49,7 +49,7 @@ class Drift:
     Raises:
         ArgumentError: a negative deviation, or a time that is not positive.
 
-    Reference: Gelb (ed.), Applied Optimal Estimation, 1974, section 3.6.
+    Reference: Gelb (ed.), Applied Optimal Estimation, 1974 (exponentially correlated variables).
     """
 
     bias: Triple
@@ -90,7 +90,8 @@ def gps_position(horizontal_95: float, vertical_95: float) -> Drift:
         ArgumentError: sizes that are not positive, or smaller than the noise.
 
     Reference:
-        Beard & McLain, Small Unmanned Aircraft: Theory and Practice, 2012, section 7.5 (GPS);
+        Beard & McLain, Small Unmanned Aircraft: Theory and Practice, 2012, section 7.5 (GPS; the
+        published code of the book, too, has 1/1100 per second);
         Rankin, An error model for sensor simulation: GPS and differential GPS, IEEE Position
         Location and Navigation Symposium, 1994.
     """
@@ -110,7 +111,10 @@ def small_ahrs(roll_pitch: float, heading: float) -> Drift:
 
 
 def small_velocity(rms: float) -> Drift:
-    """Errors of velocity [m/s] from their rms, a third of it noise; drift as ``small_ahrs``."""
+    """Errors of velocity [m/s] from their rms.
+
+    A third of it is noise, and the rest drifts as in ``small_ahrs``: stated assumptions.
+    """
     return Drift.within((rms, rms, rms), (rms / 3.0,) * 3, 100.0)
 
 
@@ -121,9 +125,11 @@ _POSITION, _ATTITUDE, _VELOCITY = gps_position(8.0, 13.0), small_ahrs(0.4, 1.0),
 class NavigationError:
     """Errors of the vehicle's estimate of its own state: what its controller does not know.
 
-    The default is a GPS receiver as the standard positioning service promises it to users all over
-    the world, 8 m horizontally and 13 m vertically at 95 %, with a small attitude and heading
-    reference, 0.4 degrees in roll and pitch and 1 degree in heading, and velocities to 0.1 m/s.
+    The default is GPS as the standard positioning service promises it on the global average, 8 m
+    horizontally and 13 m vertically at 95 %, with a small attitude and heading reference, 0.4
+    degrees in roll and pitch and 1 degree in heading, and velocities to 0.1 m/s. The data sheet
+    does not say what its 0.4 degrees are: they are taken to be rms, as the heading's are. 10
+    updates a second are an assumption.
 
     Args:
         position: errors in the world, east, north and up [m].
@@ -136,9 +142,11 @@ class NavigationError:
 
     Reference:
         Global Positioning System Standard Positioning Service Performance Standard, 5th edition,
-        2020, section 3.8 (signal in space only: a receiver's own errors come on top);
-        Moog Crossbow NAV440 data sheet (attitude below 0.4 degrees, magnetic heading below 1.0);
-        Xsens MTi User Manual MT0605P (MTi-G-700: velocity 0.1 m/s rms at 30 m/s).
+        2020, table 3.8-3 (signal in space only: a receiver's own errors come on top);
+        Moog Crossbow NAV440 data sheet, revision B (attitude below 0.4 degrees, magnetic heading
+        below 1.0 rms);
+        Xsens MTi User Manual MT0605P, revision E, 2014, section 4.4 (MTi-G-700: velocity 0.1 m/s
+        rms at 30 m/s).
     """
 
     position: Drift = _POSITION

@@ -54,7 +54,7 @@ class Disturbances:
 
     @staticmethod
     def level(name: str) -> Disturbances:
-        """All three, of published sizes.
+        """All three, of published sizes; that these belong together is an assumption.
 
         ==========  ===============  ==================  ===============
         ..          calm             moderate            severe
@@ -68,19 +68,22 @@ class Disturbances:
         map         5.47 m (rms)     9.73 m (rms)        14.38 m (rms)
         ==========  ===============  ==================  ===============
 
-        - Wind: light, moderate and severe turbulence of MIL-F-8785C, W20 of 15, 30 and 45 knots.
+        - Wind: light, moderate and severe turbulence of MIL-F-8785C, W20 of 15, 30 and 45 knots
+          (figure 9 there).
         - Position: calm, satellite-based augmentation: the worst of the stations in FAA, Wide-Area
-          Augmentation System Performance Analysis Report 10, 2004. Moderate and severe, Global
-          Positioning System Standard Positioning Service Performance Standard, 5th edition, 2020:
+          Augmentation System Performance Analysis Report 10, 2004 (Minneapolis, a quarter, while
+          approaches with vertical guidance were served). Moderate and severe, Global Positioning
+          System Standard Positioning Service Performance Standard, 5th edition, 2020, table 3.8-3:
           the global average and the worst site.
-        - Attitude and velocity: calm, Movella MTi-300 data sheet, 2023, and Xsens MTi User Manual
-          MT0605P (MTi-G-700); moderate, Moog Crossbow NAV440 data sheet; severe, twice that: an
-          assumption.
+        - Attitude: calm, Movella MTi-300 data sheet, 2023; moderate, Moog Crossbow NAV440 data
+          sheet; severe, twice that: an assumption.
+        - Velocity: calm and moderate, Xsens MTi User Manual MT0605P (MTi-G-700); severe, twice
+          that: an assumption.
         - Map: calm, what SRTM was found to keep to over North America, 9 m at 90 % (Rodriguez,
           Morris & Belz 2006). Moderate, the requirement on SRTM, 16 m at 90 % (Farr et al. 2007).
-          Severe, SRTM of 3 arc seconds in the Himalaya after removing outliers (Mukul,
-          Srivastava, Jade & Mukul, Scientific Reports 7, 41672, 2017). Correlation as in
-          ``TerrainError``.
+          Severe, SRTM of 3 arc seconds in the Himalaya and Peninsular India, rms after removing
+          outliers and voids (Mukul, Srivastava, Jade & Mukul, Scientific Reports 7, 41672, 2017;
+          47.24 m with them). Correlation as in ``TerrainError``.
 
         Args:
             name: "calm", "moderate" or "severe".
