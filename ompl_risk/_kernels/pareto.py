@@ -72,7 +72,7 @@ def pareto_labels(out, into, starts, is_goal, to_goal, limits, precision, maximu
     Args:
         out: `Rows` of the edges that leave each vertex.
         into: `Rows` of those that lead to it.
-        starts: vertices from which a goal can be reached, shape (s,), s > 0.
+        starts: vertices from which a goal can be reached within the limits, shape (s,).
         is_goal: shape (n,).
         to_goal: least duration and risk from each vertex to a goal, shape (n, 2).
         limits: greatest duration and risk of a path.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -83,8 +83,8 @@ def pareto_set(
     if not (most.is_integer() and 1 <= most < 2**31):
         raise ArgumentError("most_labels", most_labels, _LABELS)
     problem = _problem(graph, starts, ends, longest, riskiest, precision)
-    found = () if problem is None else problem.solve(precision, int(most))
-    return ParetoSet(_undercut_removed(found, longest, riskiest), longest, riskiest, precision)
+    found = () if problem is None else _within(problem, longest, riskiest, precision, int(most))
+    return ParetoSet(_undercut_removed(found), longest, riskiest, precision)
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,22 +111,25 @@ class _Problem:
     to_goal: Ticks
     second: float
 
-    def solve(self, precision: float, most: int) -> tuple[Way, ...]:
+    def solve(self, precision: float, most: int) -> tuple[tuple[Way, ...], Ticks]:
+        """Ways, and their totals in ticks, shape (k, 2)."""
         g = self.graph
         weights = (self.duration, self.risk, self.to_goal, self.limits)
         out = reduced_rows(g.first, g.target, g.edge, *weights, False, g.maximum)
         r = g.reverse
         into = reduced_rows(r.first, r.target, r.edge, *weights, True, g.maximum)
         precision = 0.0 if g.maximum else precision  # there, ranks stand for rounded risks
+        near = (self.to_goal[self.starts] <= self.limits).all(axis=1)
         labels, count, found, complete = kernels.pareto_labels(
-            out, into, self.starts, self.is_goal, self.to_goal, self.limits,
+            out, into, self.starts[near], self.is_goal, self.to_goal, self.limits,
             precision, g.maximum, most,
         )  # fmt: skip
         if not complete:
             reached = float(labels.least[count - 1, 0]) * self.second
             fastest = float(self.to_goal[self.starts, 0].min()) * self.second
             raise LabelLimitError(most, fastest, reached)
-        return tuple(_way(g, *kernels.trace_back(labels.trace, label)) for label in found)
+        ways = tuple(_way(g, *kernels.trace_back(labels.trace, label)) for label in found)
+        return ways, labels.least[found]
 
 
 def _problem(
@@ -168,6 +171,23 @@ def _problem(
     return _Problem(graph, starts, is_goal, duration, risk, limits, to_goal, second)
 
 
+def _within(
+    problem: _Problem, longest: float, riskiest: float, precision: float, most: int
+) -> tuple[Way, ...]:
+    """The ways of a problem, all within the limits.
+
+    A sum may be within a limit in ticks, and beyond it in double precision. Others may be missing
+    for the sake of such a way, so it is excluded and the search repeated.
+    """
+    while True:
+        ways, totals = problem.solve(precision, most)
+        beyond = np.array([(w.duration > longest, w.risk > riskiest) for w in ways]).reshape(-1, 2)
+        if not beyond.any():
+            return ways
+        excluding = np.where(beyond, totals - 1, problem.limits).min(axis=0)
+        problem = replace(problem, limits=excluding)
+
+
 def _edges(tree: Tree, starts: NDArray[np.int32], graph: Graph) -> NDArray[np.int32] | None:
     """Edges of a best path from a start to a goal, None if there is none."""
     best = starts[np.argmin(tree.distance[starts])]
@@ -182,12 +202,11 @@ def _way(graph: Graph, vertices: NDArray[np.int32], edges: NDArray[np.int32]) ->
     return Way(vertices, edges, float(graph.duration[edges].sum()), float(total))
 
 
-def _undercut_removed(ways: tuple[Way, ...], longest: float, riskiest: float) -> tuple[Way, ...]:
-    """Those within the limits that the rounding of their sums leaves non-dominated."""
+def _undercut_removed(ways: tuple[Way, ...]) -> tuple[Way, ...]:
+    """Those that the rounding of their sums leaves non-dominated."""
     kept: list[Way] = []
     for way in sorted(ways, key=lambda w: (w.duration, w.risk)):
-        within = way.duration <= longest and way.risk <= riskiest
-        if within and (not kept or way.risk < kept[-1].risk):
+        if not kept or way.risk < kept[-1].risk:
             kept.append(way)
     return tuple(kept)
 

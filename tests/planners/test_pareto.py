@@ -3,6 +3,7 @@
 import itertools
 import math
 import pickle
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -155,6 +156,24 @@ def test_every_path_has_a_way_no_slower_within_the_precision(graph, precision, r
     assert found(ways) == front(found(ways))
     if not graph.maximum:
         assert set(found(ways)) <= set(found(pareto_set(graph, 0, goal, riskiest=riskiest)))
+
+
+def test_rounding_beyond_the_limit_loses_no_way():
+    """In double precision 0.2 + 2.7 > 2.9."""
+    graph = Graph(
+        first=np.array([0, 2, 3, 3]),
+        target=np.array([1, 2, 2], dtype=np.int32),
+        edge=np.arange(3, dtype=np.int32),
+        risk=np.array([0.2, 2.0, 2.7]),
+        duration=np.array([0.0, 0.1, 0.0]),
+    )
+    for precision in (0.0, 0.5):
+        (way,) = pareto_set(graph, 0, 2, riskiest=2.9, precision=precision)
+        assert way.edges.tolist() == [1]
+        turned = replace(graph, risk=graph.duration, duration=graph.risk)
+        (way,) = pareto_set(turned, 0, 2, longest=2.9, precision=precision)
+        assert way.edges.tolist() == [1]
+    assert not len(pareto_set(graph, 0, 2, riskiest=1.9))
 
 
 def random_graph(seed, n, m, *, whole=False, **kind):
