@@ -51,9 +51,9 @@ def dense(clearance, path, step=0.05):
     return s, clearance(points)
 
 
-def norm_along(clearance, path, norm, speed, d0=D0):
+def norm_along(clearance, path, norm, speed, d0=D0, step=0.05):
     """The norm by its definition from dense samples, without the library's norms."""
-    s, d = dense(clearance, path)
+    s, d = dense(clearance, path, step)
     t, f = s / speed, np.maximum(1.0 / d - 1.0 / d0, 0.0)
     if isinstance(norm, Sobolev):
         rate = norm.time_scale * np.diff(f) / np.diff(t)
@@ -69,13 +69,17 @@ def power(norm, value):
     return value if math.isinf(norm.exponent) else value**norm.exponent
 
 
-def left_open(risk, duration, step=0.05):
-    """How far apart the judge of paths and dense samples may be in that.
+def power_along(clearance, path, norm, speed):
+    """That of the norm along a path, and how exactly dense samples tell it."""
+    fine, coarse = (
+        power(norm, norm_along(clearance, path, norm, speed, step=step)) for step in (0.05, 0.1)
+    )
+    return fine, abs(fine - coarse)
 
-    The judge may leave out what is negligible; samples miss part of the step where f' jumps, at d0.
-    """
-    jump = (risk.time_scale * risk.speed / risk.avoidance.d0**2) ** 2
-    return FINE * risk.negligible * duration + jump * step / risk.speed
+
+def left_open(risk, duration):
+    """How much of that the judge of paths may leave out, as it is negligible."""
+    return FINE * risk.negligible * duration
 
 
 def least_norm_over_flat_ground(norm, d0, ends, length, longest, speed):

@@ -99,3 +99,20 @@ def allowed(states, terrain, limits=None, radius=1.0):
         & (tilt <= limits.attitude)
         & (x >= xmin) & (x <= xmax) & (y >= ymin) & (y <= ymax) & (z <= TOP)
     )  # fmt: skip
+
+
+def write(setup, state, values):
+    """Make an OMPL state of the helicopter's 13 numbers."""
+    buffer = Buffer(13)
+    buffer.numbers[:] = values
+    setup.getSpaceInformation().getStateSpace().deserialize(state, buffer.capsule)
+
+
+def solution(setup):
+    return setup.getProblemDefinition().getSolutionPath()
+
+
+def walled():
+    heights = np.zeros((13, 21))
+    heights[:, 10] = TOP + 20.0
+    return Terrain(heights, spacing=(10.0, 10.0))

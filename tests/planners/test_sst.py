@@ -1,34 +1,34 @@
 """SST as OMPL's users meet it."""
 
 import itertools
-import math
 
 import numpy as np
 import pytest
 from ompl import base as ob
-from ompl import control as oc
-from ompl import geometric as og
-from sst_scene import GOAL, START, TOP, allowed, numbers, planned, ridge, rotations, setup_of
+from sst_scene import (
+    GOAL,
+    START,
+    allowed,
+    numbers,
+    planned,
+    ridge,
+    rotations,
+    setup_of,
+    solution,
+    walled,
+    write,
+)
 
 from ompl_risk.avoidance import InverseDistance
-from ompl_risk.bridge import ClearanceValidityChecker, RiskObjective
-from ompl_risk.bridge.buffers import Buffer
+from ompl_risk.bridge import RiskObjective
 from ompl_risk.clearance import TerrainClearance
-from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.model import simulate
 from ompl_risk.helicopter.parameters import Helicopter, Limits
 from ompl_risk.norms import Lp, Sobolev
-from ompl_risk.planners.sst import planner as planner_module
-from ompl_risk.planners.sst import searching
 from ompl_risk.planners.sst.planner import SST
 from ompl_risk.planners.sst.publishing import runs
-from ompl_risk.terrains import Terrain
 
 DT = 0.02
-
-
-def solution(setup):
-    return setup.getProblemDefinition().getSolutionPath()
 
 
 def held_inputs(path):
@@ -259,17 +259,11 @@ def test_several_starts():
     setup = setup_of()
     near = setup.getSpaceInformation().allocState()
     buffer = np.array([140.0, 60.0, 15.0, 0.0, 0.0, 0.0, 1.0, *[0.0] * 6])
-    _write(setup, near, buffer)
+    write(setup, near, buffer)
     setup.addStartState(near)
     planned(setup)
     assert numbers(setup, solution(setup).getStates())[0].tolist() == buffer.tolist()
     assert solution(setup).length() < 4.0
-
-
-def _write(setup, state, values):
-    buffer = Buffer(13)
-    buffer.numbers[:] = values
-    setup.getSpaceInformation().getStateSpace().deserialize(state, buffer.capsule)
 
 
 def test_a_start_in_the_goal():
@@ -285,138 +279,9 @@ def test_no_way():
     assert "500 iterations" in planner.reason
 
 
-def test_a_full_tree_makes_room(monkeypatch):
-    monkeypatch.setattr(planner_module, "NODES", 200)
-    setup, planner = planned(iterations=4000)
-    assert solution(setup).check()
-    assert planner.tree.count(4) <= 200
-    assert len(planner.history) > 3
-
-
-def test_without_a_path_a_full_tree_becomes_coarser(monkeypatch):
-    monkeypatch.setattr(planner_module, "NODES", 200)
-    _, planner = planned(setup_of(walled()), iterations=2000)
-    assert planner.history == []
-    assert planner.tree.count(4) <= 200
-    assert planner.tree.pruning > 1.2 * 0.012 * 140.0
-
-
-def walled():
-    heights = np.zeros((13, 21))
-    heights[:, 10] = TOP + 20.0
-    return Terrain(heights, spacing=(10.0, 10.0))
-
-
-@pytest.mark.parametrize("shrink", [True, False])
-def test_radii_shrink_unless_they_must_not(monkeypatch, shrink):
-    monkeypatch.setattr(searching, "ROUND", 100)
-    monkeypatch.setattr(searching, "TURNS", 0.1)
-    _, planner = planned(shrink=shrink, pruning_radius=3.0, selection_radius=20.0)
-    pruning, selection = planner.tree.pruning, planner.tree.arrays.radii[0]
-    assert pruning < 1.0 if shrink else pruning == 3.0
-    assert selection == pytest.approx(pruning * 20.0 / 3.0)
-
-
 def test_runs_of_equal_inputs():
     a, b = [1.0, 2.0, 3.0, 4.0], [1.0, 2.0, 3.0, 5.0]
     assert runs(np.array([a, a, a, a, b, b]), 2, 4) == [(0, 4), (4, 6)]
     assert runs(np.array([a, a, a, a, b, b]), 2, 2) == [(0, 2), (2, 4), (4, 6)]
     assert runs(np.array([a]), 1, 10) == [(0, 1)]
     assert runs(np.empty((0, 4)), 1, 10) == []
-
-
-# what cannot be
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        ({"seed": -1}, "seed"),
-        ({"seed": 1.5}, "seed"),
-        ({"seed": True}, "seed"),
-        ({"iterations": 0}, "iterations"),
-        ({"iterations": 2.0}, "iterations"),
-        ({"selection_radius": 0.0}, "selection_radius"),
-        ({"pruning_radius": -1.0}, "pruning_radius"),
-        ({"pruning_radius": math.nan}, "pruning_radius"),
-        ({"pruning_radius": math.inf}, "pruning_radius"),
-        ({"authority": 0.0}, "authority"),
-        ({"authority": 1.1}, "authority"),
-        ({"shrink": 1}, "shrink"),
-    ],
-)
-def test_wrong_options(options, message):
-    with pytest.raises(ArgumentError, match=message):
-        SST(setup_of().getSpaceInformation(), **options)
-
-
-def test_only_for_the_helicopter():
-    space = ob.RealVectorStateSpace(3)
-    space.setBounds(0.0, 1.0)
-    with pytest.raises(ArgumentError, match="SpaceInformation"):
-        SST(og.SimpleSetup(space).getSpaceInformation())
-    controls = oc.RealVectorControlSpace(space, 2)
-    with pytest.raises(ArgumentError, match="states of 3 and controls of 2"):
-        SST(oc.SimpleSetup(controls).getSpaceInformation())
-
-
-class OwnRisk(RiskObjective):
-    def stateCost(self, state):
-        return ob.Cost(1.0)
-
-
-def objectives(si, clearance):
-    wider = TerrainClearance(ridge(), 3.0)
-    return {
-        "own": OwnRisk(si, clearance, speed=1.0),
-        "L∞": RiskObjective(si, clearance, norm=Lp(math.inf), speed=1.0),
-        "radius=3": RiskObjective(si, wider, speed=1.0),
-    }
-
-
-@pytest.mark.parametrize("which", ["own", "L∞", "radius=3"])
-def test_objectives_that_it_cannot_serve(which):
-    setup = setup_of()
-    si, clearance = setup.getSpaceInformation(), setup.getStateValidityChecker().obstacles
-    setup.setOptimizationObjective(objectives(si, clearance)[which])
-    setup.setPlanner(SST(si))
-    with pytest.raises(ArgumentError, match=r"objective.*must be a RiskObjective"):
-        setup.solve(1.0)
-
-
-def test_checkers_that_it_cannot_ask():
-    setup = setup_of()
-    si = setup.getSpaceInformation()
-    setup.setStateValidityChecker(ClearanceValidityChecker(si, TerrainClearance(ridge(), 1.0)))
-    setup.setPlanner(SST(si))
-    with pytest.raises(ArgumentError, match="HelicopterValidityChecker"):
-        setup.solve(1.0)
-
-
-def test_another_helicopter_than_the_propagators():
-    setup = setup_of(helicopter=Helicopter(9.0))
-    setup.setPlanner(SST(setup.getSpaceInformation()))
-    with pytest.raises(ArgumentError, match=r"helicopter.*propagator"):
-        setup.solve(1.0)
-
-
-def test_goals_that_it_cannot_reach_for():
-    setup = setup_of()
-    si = setup.getSpaceInformation()
-    setup.setGoalState(si.allocState(), 1.0)
-    planner = SST(si)
-    setup.setPlanner(planner)
-    assert setup.solve(1.0).getStatus() == ob.PlannerStatus.UNRECOGNIZED_GOAL_TYPE
-    assert "HelicopterGoal" in planner.reason
-
-
-def test_starts_that_are_not_allowed():
-    setup = setup_of()
-    buried = setup.getSpaceInformation().allocState()
-    _write(setup, buried, [100.0, 60.0, 10.0, 0.0, 0.0, 0.0, 1.0, *[0.0] * 6])
-    setup.clearStartStates()
-    setup.addStartState(buried)
-    planner = SST(setup.getSpaceInformation())
-    setup.setPlanner(planner)
-    assert setup.solve(1.0).getStatus() == ob.PlannerStatus.INVALID_START
-    assert "no start" in planner.reason
