@@ -16,14 +16,19 @@ PACKAGES = (
 
 def machine() -> dict[str, Any]:
     """Processor, memory and operating system, as far as the system tells."""
-    affinity = getattr(os, "sched_getaffinity", None)
     return {
         "processor": _processor(),
-        "processors": len(affinity(0)) if affinity else os.cpu_count(),
+        "processors": processors(),
         "memory_gib": _memory(),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "load": load(),
     }
+
+
+def processors() -> int:
+    """How many this process may use."""
+    affinity = getattr(os, "sched_getaffinity", None)
+    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def versions() -> dict[str, str]:

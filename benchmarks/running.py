@@ -14,6 +14,7 @@ from rich.console import Console
 from benchmarks import environment, report
 from benchmarks.metric import Absent, Metric
 from benchmarks.registry import Benchmark
+from ompl_risk.cli.compiling import compilation_announced
 
 Mode = Literal["full", "quick"]
 
@@ -75,15 +76,16 @@ def run(
         for name in dict.fromkeys(names)
     }
     measured = Measured(mode, seed)
-    for name, config in configurations.items():
+    with compilation_announced(progress):
+        for name, config in configurations.items():
 
-        def say(step: str, name: str = name) -> None:
-            progress.print(f"{time.monotonic() - begin:6.1f} s  {name}: {step}", style="dim")
+            def say(step: str, name: str = name) -> None:
+                progress.print(f"{time.monotonic() - begin:6.1f} s  {name}: {step}", style="dim")
 
-        rows = list(benchmarks[name].measure(config, seed, say))
-        measured.metrics[name] = [row for row in rows if isinstance(row, Metric)]
-        measured.absent[name] = [row for row in rows if isinstance(row, Absent)]
-        _print(out, name, measured)
+            rows = list(benchmarks[name].measure(config, seed, say))
+            measured.metrics[name] = [row for row in rows if isinstance(row, Metric)]
+            measured.absent[name] = [row for row in rows if isinstance(row, Absent)]
+            _print(out, name, measured)
     measured.facts = {
         "started": started.isoformat(timespec="seconds"),
         "seconds": round(time.monotonic() - begin, 1),

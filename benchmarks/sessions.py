@@ -1,21 +1,49 @@
-"""What commands that can be stopped and go on have in common: options, log, and telling."""
+"""What commands that can be stopped and go on tell, keep of each start, and end with."""
 
 from __future__ import annotations
 
 import argparse
 import json
 import sys
-import time
 from collections.abc import Callable
 from datetime import datetime, timezone
 from pathlib import Path
+from typing import Any
 
 from rich.console import Console
 
 from benchmarks import environment
-from benchmarks.campaign.progress import clock
+from benchmarks.working import WorkersGoneError
+from ompl_risk.errors import OmplRiskError
 
 Say = Callable[[str], object]
+Session = Callable[[Console, Console], int]
+
+
+def exit_code(session: Session, thing: str) -> int:
+    """Do what a command is asked for, and say what ended it.
+
+    Args:
+        session: session(out, err) does it and returns an exit code.
+        thing: what it does one of after the other, such as "unit".
+
+    Returns:
+        The session's exit code; 1 if workers have gone for good; 2 for wrong use; 130 after Ctrl-C,
+        when everything finished is kept.
+    """
+    out, err = consoles()
+    goes_on = f"every finished {thing} is kept, and the same command goes on from here"
+    try:
+        return session(out, err)
+    except KeyboardInterrupt:
+        err.print(f"\nstopped; {goes_on}")
+        return 130
+    except WorkersGoneError as error:
+        complain(err, f"{error}; {goes_on}")
+        return 1
+    except (OmplRiskError, OSError) as error:
+        complain(err, str(error))
+        return 2
 
 
 def consoles() -> tuple[Console, Console]:
@@ -34,45 +62,17 @@ def complain(console: Console, message: str) -> None:
     console.print(f"error: {message}", style="red", markup=False, soft_wrap=True)
 
 
-def log(folder: Path, options: argparse.Namespace) -> None:
-    """Add to the folder's list of sessions, which is a line of JSON for each."""
-    facts = {
+def facts(options: argparse.Namespace) -> dict[str, Any]:
+    """When, with what and on what a command was started, fit for JSON."""
+    return {
         "started": datetime.now(timezone.utc).isoformat(timespec="seconds"),
         "options": {name: str(value) for name, value in vars(options).items()},
         "machine": environment.machine(),
         "versions": environment.versions(),
     }
+
+
+def log(folder: Path, options: argparse.Namespace) -> None:
+    """Add to the folder's list of sessions, which is a line of JSON for each."""
     with (folder / "sessions.jsonl").open("a", encoding="utf-8") as file:
-        file.write(json.dumps(facts) + "\n")
-
-
-def count(text: str) -> int:
-    """A number of things from the command line.
-
-    Raises:
-        argparse.ArgumentTypeError: it is not a whole number of at least 1.
-    """
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number of at least 1")
-    return int(text)
-
-
-class Progress:
-    """Tells of each thing that gets done, with the time left at the pace of this session.
-
-    Args:
-        say: called with a line.
-        total: how many there are.
-        before: how many of them were done before.
-    """
-
-    def __init__(self, say: Say, total: int, before: int) -> None:
-        self._say, self._total, self._before = say, total, before
-        self._done, self._begin = before, time.monotonic()
-
-    def tell(self, what: str) -> None:
-        """One more is done."""
-        self._done += 1
-        pace = (time.monotonic() - self._begin) / (self._done - self._before)
-        left = clock(pace * (self._total - self._done))
-        self._say(f"{self._done}/{self._total}  {left} left  {what}")
+        file.write(json.dumps(facts(options)) + "\n")

@@ -14,7 +14,11 @@ DEATHS = 3
 Result = TypeVar("Result")
 
 
-class WorkersDiedError(Exception):
+class WorkersGoneError(Exception):
+    """Nobody is left to do the rest; what is finished is kept."""
+
+
+class WorkersDiedError(WorkersGoneError):
     """Workers die, and nothing gets finished any more.
 
     Args:
@@ -22,7 +26,7 @@ class WorkersDiedError(Exception):
         what: they are numbers of.
     """
 
-    def __init__(self, left: Sequence[int], what: str = "pairs") -> None:
+    def __init__(self, left: Sequence[int], what: str) -> None:
         self.left = tuple(left)
         super().__init__(
             f"worker processes died {DEATHS} times with nothing finished between, and "

@@ -2,12 +2,39 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from ompl_risk.errors import ArgumentError
 
 FloatArray = NDArray[np.float64]
+
+
+class ReadOnlyArrays:
+    """An object whose arrays are read-only, and stay so where it is copied or pickled.
+
+    NumPy forgets it: copies from ``copy.deepcopy`` and most from ``pickle``, so those in worker
+    processes, are writable. They could then be changed, and kernels, which are compiled for either
+    kind of array, would be compiled anew. Arrays in tuples, lists and dictionaries count too;
+    objects in them take care of their own.
+    """
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state)
+        _close(state)
+
+
+def _close(value: Any) -> None:
+    """Make an array read-only, or all arrays in a container."""
+    if isinstance(value, np.ndarray):
+        value.setflags(write=False)
+    elif isinstance(value, dict):
+        _close(tuple(value.values()))
+    elif isinstance(value, tuple | list):
+        for part in value:
+            _close(part)
 
 
 def as_floats(argument: str, value: ArrayLike) -> FloatArray:

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property, partial
+from functools import cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, increasing_times, positive, readonly
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, increasing_times, positive, readonly
 from ompl_risk._interpolation import great_arc, held_or_linear, linear, subdivided
 from ompl_risk.errors import ArgumentError
 
@@ -32,7 +32,7 @@ def register_path_reader(reader: PathReader) -> None:
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Trajectory:
+class Trajectory(ReadOnlyArrays):
     """Positions of a vehicle at times, straight and at constant velocity between the samples.
 
     The arrays are read-only copies in the world frame: metres, east-north-up.
@@ -96,11 +96,6 @@ class Trajectory:
 
     def __len__(self) -> int:
         return len(self.t)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickled arrays are writable: go through the constructor.
-        rest = {k: getattr(self, k) for k in ("orientations", "velocities", "controls")}
-        return partial(Trajectory, **rest), (self.t, self.positions, self.name)
 
     @cached_property
     def duration(self) -> float:

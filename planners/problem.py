@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, positive, readonly
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive, readonly
 from ompl_risk.avoidance import Avoidance, InverseDistance
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.base import as_length
@@ -16,7 +16,7 @@ from ompl_risk.errors import ArgumentError
 
 
 @dataclass(frozen=True, eq=False)
-class Problem:
+class Problem(ReadOnlyArrays):
     """A flight in R^3 at constant speed; picklable, so that worker processes can plan it.
 
     Args:

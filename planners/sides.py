@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 from scipy import ndimage
 
-from ompl_risk._arrays import FloatArray, readonly, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, readonly, real_number
 from ompl_risk._kernels.sides import crossings
 from ompl_risk.clearance.base import as_length
 from ompl_risk.errors import ArgumentError
@@ -25,7 +25,7 @@ Word = tuple[int, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class Sides:
+class Sides(ReadOnlyArrays):
     """Peaks that no path can cross, each with a ray; a path's side is the word of its crossings.
 
     With the box's ceiling z1, sphere radius a and least clearance c, nothing passes over ::
@@ -73,7 +73,9 @@ class Sides:
         object.__setattr__(self, "peaks", peaks)
         object.__setattr__(self, "direction", direction)
         turned = self._turned(peaks)
-        object.__setattr__(self, "_rays", turned[np.argsort(turned[:, 1], kind="stable")])
+        rays = turned[np.argsort(turned[:, 1], kind="stable")]
+        rays.setflags(write=False)
+        object.__setattr__(self, "_rays", rays)
 
     @classmethod
     def of_terrain(

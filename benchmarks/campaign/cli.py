@@ -3,12 +3,9 @@
 from __future__ import annotations
 
 import argparse
-import os
-import sys
 from collections.abc import Sequence
-from datetime import datetime, timezone
+from functools import partial
 from pathlib import Path
-from typing import Any
 
 from rich.console import Console
 
@@ -23,22 +20,27 @@ from benchmarks.campaign.run import Run, code, runs
 from benchmarks.campaign.scenes import SCENES
 from benchmarks.campaign.store import Store
 from benchmarks.campaign.table import row
-from ompl_risk.errors import OmplRiskError
+from benchmarks.commands import Command, count
+from benchmarks.sessions import facts
 
 GRACE = 300.0
 """Seconds beyond its own after which a run is given up: the first one compiles everything."""
-QUICK: dict[str, Any] = {
-    "seconds": 1.0,
-    "seeds": 2,
-    "scenes": ["jacksboro", "circles"],
-    "objectives": ["length", "H1", "clearance", "time+risk"],
-}
-FULL: dict[str, Any] = {
-    "seconds": 5.0,
-    "seeds": 5,
-    "scenes": list(SCENES),
-    "objectives": list(OBJECTIVES),
-}
+COMMAND = Command(
+    "objectives",
+    "run",
+    full={
+        "seconds": 5.0,
+        "seeds": 5,
+        "scenes": list(SCENES),
+        "objectives": list(OBJECTIVES),
+    },
+    quick={
+        "seconds": 1.0,
+        "seeds": 2,
+        "scenes": ["jacksboro", "circles"],
+        "objectives": ["length", "H1", "clearance", "time+risk"],
+    },
+)
 
 
 def main(argv: Sequence[str]) -> int:
@@ -50,19 +52,13 @@ def main(argv: Sequence[str]) -> int:
     Returns:
         0; 1 if a run failed; 2 for wrong use; 130 after Ctrl-C, when everything finished is kept.
     """
-    options = _options(argv)
-    out = Console(width=None if sys.stdout.isatty() else 150, highlight=False)
-    err = Console(stderr=True, highlight=False)
-    try:
-        with Store(options.output) as store:
-            store.check(options.seconds)
-            return _campaign(store, options, out, err)
-    except OmplRiskError as error:
-        err.print(f"error: {error}", style="red", markup=False, soft_wrap=True)
-        return 2
-    except KeyboardInterrupt:
-        err.print("\nstopped; every finished run is kept, and the same command goes on from here")
-        return 130
+    return COMMAND.run(partial(_session, _options(argv)))
+
+
+def _session(options: argparse.Namespace, out: Console, err: Console) -> int:
+    with Store(options.output) as store:
+        store.check(options.seconds)
+        return _campaign(store, options, out, err)
 
 
 def _campaign(store: Store, options: argparse.Namespace, out: Console, err: Console) -> int:
@@ -72,7 +68,7 @@ def _campaign(store: Store, options: argparse.Namespace, out: Console, err: Cons
     names = [name for name in options.planners if name in able]
     wanted = runs(options.scenes, options.objectives, names, options.seeds, options.seconds)
     left = [run for run in wanted if not _is_done(store, run, options.retry_failed)]
-    store.log_session(_session(options))
+    store.log_session({**facts(options), "code": code()})
     _carry_out(store, left, len(wanted), options.workers, err)
     if not store.records:
         err.print("nothing to report: no planner can run")
@@ -83,7 +79,7 @@ def _campaign(store: Store, options: argparse.Namespace, out: Console, err: Cons
 
 
 def _carry_out(store: Store, left: list[Run], total: int, workers: int, err: Console) -> None:
-    with Monitor(err, total, total - len(left), workers) as monitor:
+    with Monitor(err, total, total - len(left)) as monitor:
         for run, result in finished(left, workers=workers, grace=GRACE):
             store.add(run, result)
             monitor.tell(run, result)
@@ -107,25 +103,10 @@ def _summarise(store: Store, made: Sequence[str], out: Console) -> None:
     out.print(f"in {store.folder}: {', '.join(made)}", markup=False, soft_wrap=True)
 
 
-def _session(options: argparse.Namespace) -> dict[str, Any]:
-    return {
-        "started": datetime.now(timezone.utc).isoformat(timespec="seconds"),
-        "options": {name: str(value) for name, value in vars(options).items()},
-        "machine": environment.machine(),
-        "versions": environment.versions(),
-        "code": code(),
-    }
-
-
 def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser = _parser()
-    options = parser.parse_args(argv)
-    for name, default in (QUICK if options.quick else FULL).items():
-        if getattr(options, name) is None:
-            setattr(options, name, default)
-    if options.output is None:
-        options.output = Path("runs") / f"objectives{'-quick' if options.quick else ''}"
-    processors = _processors()
+    options = COMMAND.parsed(parser, argv)
+    processors = environment.processors()
     if options.workers > processors:
         parser.error(
             f"argument --workers: {options.workers} of them on {processors} processors would "
@@ -135,10 +116,8 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
 
 
 def _parser() -> argparse.ArgumentParser:
-    parser = argparse.ArgumentParser(
-        "python -m benchmarks objectives",
-        description="Compare objectives: every objective, planner, scene and seed in a run of its "
-        "own. Start it again with the same command and it goes on where it was stopped.",
+    parser = COMMAND.parser(
+        "Compare objectives: every objective, planner, scene and seed in a run of its own."
     )
     parser.add_argument("--quick", action="store_true", help="a small campaign, in a few minutes")
     parser.add_argument(
@@ -146,11 +125,9 @@ def _parser() -> argparse.ArgumentParser:
     )
     parser.add_argument(
         "--seconds", type=_seconds, metavar="S",
-        help=f"processor time of each run ({FULL['seconds']:g}; quick {QUICK['seconds']:g})",
+        help=f"processor time of each run {COMMAND.sizes('seconds')}",
     )  # fmt: skip
-    parser.add_argument(
-        "--seeds", type=_count, metavar="N", help=f"({FULL['seeds']}; quick {QUICK['seeds']})"
-    )
+    parser.add_argument("--seeds", type=count, metavar="N", help=COMMAND.sizes("seeds"))
     for what, known in (
         ("scenes", SCENES), ("planners", planners.PLANNERS), ("objectives", OBJECTIVES)
     ):  # fmt: skip
@@ -160,18 +137,13 @@ def _parser() -> argparse.ArgumentParser:
         )  # fmt: skip
     parser.set_defaults(planners=list(planners.PLANNERS))
     parser.add_argument(
-        "--workers", type=_count, default=min(2, _processors()), metavar="N",
+        "--workers", type=count, default=min(2, environment.processors()), metavar="N",
         help="processes at a time (%(default)s); time is processor time, but memory is shared",
     )  # fmt: skip
     parser.add_argument(
         "--retry-failed", action="store_true", help="run those again that failed or crashed"
     )
     return parser
-
-
-def _processors() -> int:
-    affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def _seconds(text: str) -> float:
@@ -182,9 +154,3 @@ def _seconds(text: str) -> float:
     if not 0.0 < value < float("inf"):
         raise argparse.ArgumentTypeError(f"{text!r}: must be a positive number of seconds")
     return value
-
-
-def _count(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"{text!r}: must be a whole number of at least 1")
-    return int(text)

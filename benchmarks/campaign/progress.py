@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import time
 from collections.abc import Mapping
 from typing import Any
 
@@ -10,6 +9,7 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn
 
 from benchmarks.campaign.run import Run
+from benchmarks.progress import Pace
 
 
 class Monitor:
@@ -19,12 +19,11 @@ class Monitor:
         console: where; a file gets no bar.
         total: number of runs.
         done: how many of them were done before.
-        workers: how many run at a time.
     """
 
-    def __init__(self, console: Console, total: int, done: int, workers: int) -> None:
-        self._console, self._total, self._done, self._before = console, total, done, done
-        self._workers, self._begin = workers, time.monotonic()
+    def __init__(self, console: Console, total: int, done: int) -> None:
+        self._console, self._before = console, done
+        self._pace = Pace(total, done)
         self._bar: Progress | None = None
         if console.is_terminal:
             self._bar = Progress(
@@ -38,7 +37,7 @@ class Monitor:
 
     def __enter__(self) -> Monitor:
         if self._before:
-            self._console.print(f"{self._before} of {self._total} runs were done before")
+            self._console.print(f"{self._before} of {self._pace.total} runs were done before")
         if self._bar is not None:
             self._bar.start()
         return self
@@ -49,26 +48,13 @@ class Monitor:
 
     def tell(self, run: Run, result: Mapping[str, Any]) -> None:
         """A run has finished."""
-        self._done += 1
+        self._pace.step()
         words = f"{run.label}: {result['status']}"
         failed = result["status"] in ("failed", "unsound")
         if failed:
             words += f" ({result['reason']})"
-        left = f"{clock(self._left())} left"
         if self._bar is not None:
-            self._bar.update(self._task, completed=self._done, description=run.label, left=left)
+            done, left = self._pace.done, self._pace.left
+            self._bar.update(self._task, completed=done, description=run.label, left=left)
         if self._bar is None or failed:
-            line = f"{self._done}/{self._total}  {left}  {words}"
-            self._console.print(line, markup=False, soft_wrap=True)
-
-    def _left(self) -> float:
-        """Seconds for the rest, at the pace of this session."""
-        pace = (time.monotonic() - self._begin) / (self._done - self._before)
-        return pace * (self._total - self._done)
-
-
-def clock(seconds: float) -> str:
-    """Such as "0:07" or "1:02:30"."""
-    minutes, second = divmod(round(seconds), 60)
-    hours, minute = divmod(minutes, 60)
-    return f"{hours}:{minute:02d}:{second:02d}" if hours else f"{minute}:{second:02d}"
+            self._console.print(self._pace.line(words), markup=False, soft_wrap=True)

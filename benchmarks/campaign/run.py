@@ -4,14 +4,13 @@ from __future__ import annotations
 
 import hashlib
 import json
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import asdict, dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-import ompl_risk
-from benchmarks import environment
+from benchmarks import environment, procedures
 from benchmarks.campaign import metrics
 from benchmarks.campaign.objectives import OBJECTIVES
 from benchmarks.campaign.scenes import SCENES, Scene
@@ -94,22 +93,9 @@ def prepared(name: str) -> Scene:
     return SCENES[name]()
 
 
-@cache
 def code() -> str:
     """A fingerprint of the library's and the campaign's source."""
-    digest = hashlib.sha256()
-    for root in (Path(ompl_risk.__file__).parent, Path(__file__).parent):
-        for path in sorted(_sources(root)):
-            digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:12]
-
-
-def _sources(root: Path) -> Iterator[Path]:
-    for path in root.iterdir():  # not rglob: it does not follow the links within the package
-        if path.is_dir():
-            yield from _sources(path)
-        elif path.suffix == ".py":
-            yield path
+    return procedures.code(Path(__file__).parent)
 
 
 @cache

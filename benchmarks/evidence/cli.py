@@ -8,20 +8,21 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
-import joblib
 from rich.console import Console
 
-from benchmarks.evidence.engines import ClusterLostError, Dask, Engine, Local, Lost
+from benchmarks.commands import Command, count, seed
+from benchmarks.evidence.engines import Dask, Engine, Local, Lost
 from benchmarks.evidence.settings import ROLLOUTS, Settings
 from benchmarks.evidence.store import NAME, Kept, compact, keep, kept
-from benchmarks.evidence.unit import COMPLETE, FAILED, evaluate, failed
-from benchmarks.sessions import Progress, complain, consoles, count, log, teller
-from benchmarks.working import WorkersDiedError
-from ompl_risk.errors import FileError, OmplRiskError
+from benchmarks.evidence.unit import COMPLETE, evaluate, failed
+from benchmarks.progress import FAILED, Queue
+from benchmarks.sessions import log, teller
+from ompl_risk.errors import FileError
 
-UNITS, QUICK = 520, 10
-QUICK_ROLLOUTS = 100
-GOES_ON = "every finished unit is kept, and the same command goes on from here"
+COMMAND = Command(
+    "evidence", "unit",
+    full={"units": 520, "rollouts": ROLLOUTS}, quick={"units": 10, "rollouts": 100},
+)  # fmt: skip
 
 
 def main(argv: Sequence[str]) -> int:
@@ -31,19 +32,7 @@ def main(argv: Sequence[str]) -> int:
         0; 1 if a unit failed, or workers died or went away for good; 2 for wrong use; 130 after
         Ctrl-C, when everything finished is kept.
     """
-    options = _options(argv)
-    out, err = consoles()
-    try:
-        return _session(options, out, err)
-    except KeyboardInterrupt:
-        err.print(f"\nstopped; {GOES_ON}")
-        return 130
-    except (WorkersDiedError, ClusterLostError) as error:
-        complain(err, f"{error}; {GOES_ON}")
-        return 1
-    except (OmplRiskError, OSError) as error:
-        complain(err, str(error))
-        return 2
+    return COMMAND.run(partial(_session, _options(argv)))
 
 
 def _session(options: argparse.Namespace, out: Console, err: Console) -> int:
@@ -79,18 +68,13 @@ def _carry_out(
     err: Console,
 ) -> None:
     """Work on the units that are left, keep each as it comes, and tell of it."""
-    if options.retry_failed:
-        done = {number: unit for number, unit in done.items() if unit.status != FAILED}
-    left = [number for number in range(options.units) if number not in done]
-    if done:
-        err.print(f"{len(done)} of {options.units} units were done before")
     say = teller(err)
-    progress = Progress(say, options.units, len(done))
-    for number, found in engine.run(partial(evaluate, settings), left, say):
+    statuses = {number: unit.status for number, unit in done.items()}
+    queue = Queue("unit", options.units, statuses, again=options.retry_failed, say=say)
+    for number, found in engine.run(partial(evaluate, settings), queue.left, say):
         unit = failed(settings, number, found.reason) if isinstance(found, Lost) else found
         keep(options.output, unit)
-        said = f": {unit.reason}" if unit.reason else ""
-        progress.tell(f"unit {number} {unit.status}{said}")
+        queue.tell(number, unit.status, unit.reason)
 
 
 def _tell(ended: dict[int, Kept], err: Console) -> None:
@@ -120,24 +104,22 @@ def _report(parquet: Path, folder: Path, out: Console) -> None:
 
 
 def _options(argv: Sequence[str]) -> argparse.Namespace:
-    parser = argparse.ArgumentParser(
-        "python -m benchmarks evidence",
-        description="Many sets of five helicopter flights of equal time, each flown again and "
-        "again in wind and error: which norm finds the safest. Start it again with the same "
-        "command and it goes on where it was stopped.",
+    parser = COMMAND.parser(
+        "Many sets of five helicopter flights of equal time, each flown again and again in wind "
+        "and error: which norm finds the safest."
     )
     parser.add_argument(
         "--units", type=count, metavar="N",
-        help=f"pairs of start and goal, each a set in every level ({UNITS}; quick {QUICK})",
+        help=f"pairs of start and goal, each a set in every level {COMMAND.sizes('units')}",
     )  # fmt: skip
     parser.add_argument("--quick", action="store_true", help="few units with few rollouts")
-    parser.add_argument("--seed", type=int, default=0, help="of everything (%(default)s)")
+    parser.add_argument("--seed", type=seed, default=0, help="of everything (%(default)s)")
     parser.add_argument(
         "--rollouts", type=count, metavar="N",
-        help=f"of each flight in each level ({ROLLOUTS}; quick {QUICK_ROLLOUTS}); with another "
-        "number it is another procedure, which needs another folder",
+        help=f"of each flight in each level {COMMAND.sizes('rollouts')}; with another number it is "
+        "another procedure, which needs another folder",
     )  # fmt: skip
-    parser.add_argument("--workers", type=count, default=joblib.cpu_count(), help="(%(default)s)")
+    COMMAND.add_workers(parser)
     parser.add_argument(
         "--engine", choices=("joblib", "dask"), default="joblib", help="(%(default)s)"
     )
@@ -145,18 +127,9 @@ def _options(argv: Sequence[str]) -> argparse.Namespace:
         "--scheduler", metavar="ADDRESS",
         help="of a Dask cluster, such as tcp://host:8786; a local one is started if left out",
     )  # fmt: skip
-    parser.add_argument("--output", type=Path, metavar="FOLDER", help="(runs/evidence)")
-    parser.add_argument("--retry-failed", action="store_true", help="do those again that failed")
+    COMMAND.add_kept(parser)
     parser.add_argument("--report-only", action="store_true", help="report on what is there")
-    options = parser.parse_args(argv)
-    if options.units is None:
-        options.units = QUICK if options.quick else UNITS
-    if options.rollouts is None:
-        options.rollouts = QUICK_ROLLOUTS if options.quick else ROLLOUTS
-    if options.output is None:
-        options.output = Path("runs") / f"evidence{'-quick' if options.quick else ''}"
-    if options.seed < 0:
-        parser.error(f"argument --seed: {options.seed}: must be 0 or more")
+    options = COMMAND.parsed(parser, argv)
     if options.scheduler and options.engine != "dask":
         parser.error(f"argument --scheduler: {options.scheduler}: only with --engine dask")
     return options

@@ -32,7 +32,7 @@ class Lost:
     reason: str
 
 
-class ClusterLostError(Exception):
+class ClusterLostError(working.WorkersGoneError):
     """The cluster has gone, with units that are left."""
 
 

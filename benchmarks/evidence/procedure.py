@@ -32,19 +32,15 @@ the programs. The committed result is of seed 2026, of which nothing had been fl
 from __future__ import annotations
 
 import math
-from functools import cache
 from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.blind_flights import BLIND, blind_flights
 from benchmarks.evidence.grounds import KINDS, ground
-from ompl_risk import InverseDistance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.flight import Flight
-from ompl_risk.helicopter.steering import HelicopterSteering
 from ompl_risk.planners import Problem, low_level_flight
-from ompl_risk.planners.roadmap.equal_time_flights import equal_time_flights
-from ompl_risk.planners.roadmap.flights import flight_roadmap
 from ompl_risk.terrains import Terrain
 
 FLIGHTS = 5
@@ -58,8 +54,6 @@ BELOW, FEWEST, MOST = 40.0, 0.2, 0.6
 PLACES = 3000
 EXCESS, SEPARATION = 0.05, 0.03
 STEP = 0.2
-BLIND = InverseDistance(2e-3)
-"""Finds no risk but collisions."""
 DRAWS = 10_000
 """Of start and goal, after which a terrain is held to have no place for them."""
 
@@ -88,12 +82,6 @@ class Pair(NamedTuple):
     goal: Point
     ceiling: float
     least: float
-
-
-@cache
-def steering() -> HelicopterSteering:
-    """What the helicopter flies."""
-    return HelicopterSteering()
 
 
 def place(unit: int) -> Place:
@@ -171,15 +159,11 @@ def flights(unit: int, ends: Pair, *, places: int = PLACES) -> tuple[Flight, ...
         ends: of the flights.
         places: of the roadmap; any other number than the default is another procedure.
     """
-    task = problem(unit, ends)
-    roadmap = flight_roadmap(task, steering(), places=places, seed=unit + 1, threads=1)
-    found = equal_time_flights(
-        roadmap,
-        task,
-        steering(),
+    return blind_flights(
+        problem(unit, ends),
         FLIGHTS,
+        places=places,
+        seed=unit + 1,
         excess=EXCESS,
-        min_distance=SEPARATION * task.distance,
-        tidy=lambda route, _roadmap: route,
+        separation=SEPARATION,
     )
-    return found.flights

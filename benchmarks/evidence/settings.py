@@ -2,15 +2,13 @@
 
 from __future__ import annotations
 
-import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
 from typing import Any
 
-from benchmarks import procedures
-from benchmarks.campaign import run
+from benchmarks import blind_flights, procedures
 from benchmarks.evidence import grounds, procedure, profiles
 from ompl_risk.simulation.disturbances.together import Disturbances
 
@@ -51,7 +49,7 @@ class Settings:
             "radius": grounds.RADIUS,
             "reach": profiles.REACH,
             "bits": profiles.BITS,
-            **{name.lower(): getattr(procedure, name) for name in CONSTANTS},
+            **procedures.constants(procedure, CONSTANTS),
             **flat(kinds),
             **flat(ranges),
             **flat(levels()),
@@ -84,7 +82,5 @@ def plain(value: Any) -> Any:
 @cache
 def code() -> str:
     """A fingerprint of the source that units are made by: the library's, and what is here."""
-    digest = hashlib.sha256(run.code().encode())
-    for path in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(path.name.encode() + path.read_bytes())
-    return digest.hexdigest()[:12]
+    here = sorted(Path(__file__).parent.glob("*.py"))
+    return procedures.code(*here, Path(blind_flights.__file__))

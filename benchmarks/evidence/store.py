@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import os
 from collections import Counter
-from collections.abc import Callable, Mapping
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -15,10 +14,15 @@ from benchmarks import environment
 from benchmarks.evidence import schema
 from benchmarks.evidence.settings import Settings, levels
 from benchmarks.evidence.unit import Done
+from benchmarks.pieces import Pieces, Say
 from benchmarks.procedures import differences
-from ompl_risk.errors import ArgumentError, FileError
+from ompl_risk.errors import FileError
 
 NAME = "evidence.parquet"
+UNITS = Pieces("unit", "result", digits=5, suffix=".parquet")
+
+Known = tuple[pa.Table, dict[str, Any]]
+"""A unit's rows, and the facts about them."""
 
 
 @dataclass(frozen=True)
@@ -36,21 +40,9 @@ class Kept:
     code: str
 
 
-def path_of(folder: Path, unit: int) -> Path:
-    """The file of a unit."""
-    return folder / "units" / f"{unit:05d}.parquet"
-
-
 def keep(folder: Path, done: Done) -> None:
     """Write a unit's file in one go: a reader never sees half of one."""
-    path = path_of(folder, done.unit)
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_suffix(".part")
-    with draft.open("wb") as file:
-        file.write(done.content)
-        file.flush()
-        os.fsync(file.fileno())
-    draft.replace(path)
+    UNITS.keep(folder, done.unit, done.content)
 
 
 def kept(
@@ -58,7 +50,7 @@ def kept(
     settings: Settings,
     count: int | None = None,
     *,
-    say: Callable[[str], object] = lambda _message: None,
+    say: Say = lambda _message: None,
 ) -> dict[int, Kept]:
     """The units that are done.
 
@@ -74,27 +66,31 @@ def kept(
             nor written over.
     """
     found = {}
-    for unit in _numbers(folder, count):
-        try:
-            content, facts = read(folder, unit)
-        except (OSError, ValueError) as error:
-            path = path_of(folder, unit)
-            say(f"{path} is no result of unit {unit} ({error}): the unit counts as not done")
-            continue
-        _check(folder, unit, facts, settings)
+    for unit, (content, facts) in _read_all(folder, settings, count, say):
         first = content.slice(0, 1).to_pylist()[0]
         found[unit] = Kept(first["status"], first["reason"], facts["code"])
     return found
 
 
-def read(folder: Path, unit: int) -> tuple[pa.Table, dict[str, Any]]:
+def _read_all(
+    folder: Path, settings: Settings, count: int | None = None, say: Say = lambda _message: None
+) -> Iterator[tuple[int, Known]]:
+    here = settings.fingerprint
+
+    def differing(known: Known) -> Iterator[str]:
+        return differences(known[1]["procedure"], here)
+
+    return UNITS.kept(folder, read, differing, count=count, say=say)
+
+
+def read(folder: Path, unit: int) -> Known:
     """A unit's rows, and the facts about them.
 
     Raises:
         OSError: there is no such file, or it is damaged.
         ValueError: says what the file is not, or lacks.
     """
-    content = schema.read(path_of(folder, unit))
+    content = schema.read(UNITS.path(folder, unit))
     facts = schema.facts_of(content.schema)
     if missing := {"procedure", "unit", "code", "versions", "processor", "seconds"} - facts.keys():
         raise ValueError(f"without {', '.join(sorted(missing))}")
@@ -116,8 +112,7 @@ def compact(folder: Path, settings: Settings) -> Path:
         FileError: no unit is done.
     """
     parts, facts = [], []
-    for unit in kept(folder, settings):
-        content, known = read(folder, unit)
+    for _unit, (content, known) in _read_all(folder, settings):
         parts.append(content.replace_schema_metadata(None))
         facts.append(known)
     if not parts:
@@ -144,19 +139,3 @@ def _summary(settings: Settings, facts: list[dict[str, Any]]) -> dict[str, Any]:
         "processors": dict(Counter(each["processor"] for each in facts)),
         "machine": environment.machine(),
     }
-
-
-def _numbers(folder: Path, count: int | None) -> list[int]:
-    """Of the units that have a file, in order."""
-    stems = [path.stem for path in (folder / "units").glob("*.parquet")]
-    found = sorted(int(stem) for stem in stems if stem.isdecimal())
-    return [unit for unit in found if count is None or unit < count]
-
-
-def _check(folder: Path, unit: int, facts: Mapping[str, Any], settings: Settings) -> None:
-    what = list(differences(facts["procedure"], settings.fingerprint))
-    if what:
-        some = " and ".join(what[:3]) + (f" and {len(what) - 3} more" if len(what) > 3 else "")
-        allowed = "another folder, as this one holds units of another seed or procedure"
-        name = path_of(folder, unit).name
-        raise ArgumentError("output", str(folder), f"{allowed} ({name}: {some})")

@@ -14,6 +14,7 @@ from benchmarks.evidence import procedure, schema
 from benchmarks.evidence.profiles import profile
 from benchmarks.evidence.schema import Row
 from benchmarks.evidence.settings import Settings, code
+from benchmarks.progress import FAILED
 from ompl_risk import TerrainClearance
 from ompl_risk.helicopter.flight import Flight
 from ompl_risk.simulation.closed_loop import closed_loop_probability
@@ -21,7 +22,7 @@ from ompl_risk.simulation.disturbances.together import Disturbances
 from ompl_risk.simulation.estimates.estimate import CollisionEstimate
 from ompl_risk.simulation.loop.helicopter_plan import HelicopterPlan
 
-COMPLETE, FEW, FAILED = "complete", "few", "failed"
+COMPLETE, FEW = "complete", "few"
 PACKAGES = ("python", "ompl-risk", "numpy", "numba", "scipy")
 
 

@@ -25,7 +25,7 @@ def fingerprint(places: int) -> dict[str, Any]:
         "places": places,
         "norms": [norm.label for norm in procedure.NORMS],
         "blind": procedure.BLIND.d0,
-        **{name.lower(): getattr(procedure, name) for name in CONSTANTS},
+        **procedures.constants(procedure, CONSTANTS),
     }
 
 

@@ -23,14 +23,12 @@ from typing import NamedTuple
 
 import numpy as np
 
+from benchmarks.blind_flights import BLIND, blind_flights
 from ompl_risk import InverseDistance, Lp, Sobolev, TerrainClearance, terrains
 from ompl_risk.cli.judging import Judgement, judge
 from ompl_risk.cli.scene import Scene
 from ompl_risk.errors import ArgumentError
-from ompl_risk.helicopter.steering import HelicopterSteering
 from ompl_risk.planners import Problem, low_level_flight
-from ompl_risk.planners.roadmap.equal_time_flights import equal_time_flights
-from ompl_risk.planners.roadmap.flights import flight_roadmap
 from ompl_risk.trajectory import Trajectory
 
 FLIGHTS = 5
@@ -41,8 +39,6 @@ HEIGHT, LEAST = 60.0, 20.0
 PLACES = 3000
 EXCESS, SEPARATION = 0.05, 0.02
 STEP = 0.1
-BLIND = InverseDistance(2e-3)
-"""Finds no risk but collisions."""
 
 
 class Pair(NamedTuple):
@@ -57,12 +53,6 @@ def scene() -> Scene:
     """What flights are judged by."""
     clearance = TerrainClearance(terrains.load("jacksboro"), RADIUS, threads=1)
     return Scene(clearance, InverseDistance(FAR), NORMS, FAR, EXCESS)
-
-
-@cache
-def steering() -> HelicopterSteering:
-    """What the helicopter flies."""
-    return HelicopterSteering()
 
 
 def pair(seed: int, number: int) -> Pair:
@@ -104,18 +94,16 @@ def flights(
         places: of the roadmap; any other number than the default is another procedure.
         threads: of compiled code; None uses all processors.
     """
-    task = problem(ends)
-    roadmap = flight_roadmap(task, steering(), places=places, seed=seed, threads=threads)
-    found = equal_time_flights(
-        roadmap,
-        task,
-        steering(),
+    found = blind_flights(
+        problem(ends),
         FLIGHTS,
+        places=places,
+        seed=seed,
         excess=EXCESS,
-        min_distance=SEPARATION * task.distance,
-        tidy=lambda route, _roadmap: route,
+        separation=SEPARATION,
+        threads=threads,
     )
-    return [one.trajectory(f"{k + 1}", step=STEP) for k, one in enumerate(found.flights)]
+    return [one.trajectory(f"{k + 1}", step=STEP) for k, one in enumerate(found)]
 
 
 def judged(trajectories: list[Trajectory]) -> Judgement:

@@ -4,18 +4,19 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from benchmarks.campaign.run import code
+from benchmarks import blind_flights, procedures
+from benchmarks.pieces import Pieces, Say
 from benchmarks.scenario import procedure
 from benchmarks.scenario.findings import REFERENCE, claims
 from benchmarks.scenario.fingerprint import differences, fingerprint
-from ompl_risk.errors import ArgumentError
 
 Record = dict[str, Any]
 
+PAIRS = Pieces("pair", "record", digits=4, suffix=".json")
 ALWAYS = ("seed", "pair", "status")
 CONTENTS = {
     "judged": ("durations", "norms", "pc norms", "orders", "pc orders", "tau", "claims"),
@@ -32,7 +33,7 @@ def evaluate(seed: int, number: int, places: int = procedure.PLACES) -> Record:
         "seed": seed,
         "pair": number,
         "procedure": fingerprint(places),
-        "code": code(),
+        "code": procedures.code(Path(__file__).parent, Path(blind_flights.__file__)),
     }
     try:
         ends = procedure.pair(seed, number)
@@ -65,18 +66,9 @@ def _found(trajectories: list[Any]) -> Record:
     }
 
 
-def path_of(folder: Path, number: int) -> Path:
-    """The file of a pair."""
-    return folder / "pairs" / f"{number:04d}.json"
-
-
 def keep(folder: Path, record: Record) -> None:
     """Write a record in one go: a reader never sees half of one."""
-    path = path_of(folder, record["pair"])
-    path.parent.mkdir(parents=True, exist_ok=True)
-    draft = path.with_suffix(".part")
-    draft.write_text(json.dumps(record, indent=1) + "\n", encoding="utf-8")
-    draft.replace(path)
+    PAIRS.keep(folder, record["pair"], (json.dumps(record, indent=1) + "\n").encode())
 
 
 def kept(
@@ -85,7 +77,7 @@ def kept(
     count: int,
     places: int = procedure.PLACES,
     *,
-    say: Callable[[str], object] = lambda _message: None,
+    say: Say = lambda _message: None,
 ) -> dict[int, Record]:
     """Records of the first pairs that are there.
 
@@ -101,22 +93,11 @@ def kept(
         ArgumentError: a record of another seed or procedure. It is neither counted with the others
             nor written over.
     """
-    found = {}
-    for number in range(count):
-        path = path_of(folder, number)
-        try:
-            record = read(folder, number)
-        except FileNotFoundError:
-            continue
-        except (OSError, ValueError) as error:
-            say(f"{path} is no record of pair {number} ({error}): the pair counts as not done")
-            continue
-        what = " and ".join(differences(record, seed, places))
-        if what:
-            allowed = "another folder, as this one holds pairs of another seed or procedure"
-            raise ArgumentError("output", str(folder), f"{allowed} ({path.name}: {what})")
-        found[number] = record
-    return found
+
+    def differing(record: Record) -> Iterator[str]:
+        return differences(record, seed, places)
+
+    return dict(PAIRS.kept(folder, read, differing, count=count, say=say))
 
 
 def read(folder: Path, number: int) -> Record:
@@ -126,7 +107,7 @@ def read(folder: Path, number: int) -> Record:
         OSError: there is none that can be read.
         ValueError: says what the file is not, or lacks.
     """
-    record = json.loads(path_of(folder, number).read_text(encoding="utf-8"))
+    record = json.loads(PAIRS.path(folder, number).read_text(encoding="utf-8"))
     if not isinstance(record, dict):
         raise ValueError("no object")
     status = str(record.get("status"))

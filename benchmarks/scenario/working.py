@@ -7,9 +7,7 @@ from functools import partial
 from pathlib import Path
 
 from benchmarks import working
-from benchmarks.scenario.records import Record, evaluate, keep, path_of, read
-from benchmarks.working import DEATHS as DEATHS
-from benchmarks.working import WorkersDiedError as WorkersDiedError
+from benchmarks.scenario.records import PAIRS, Record, evaluate, keep, read
 
 Work = Callable[[int, int, int], Record]
 
@@ -38,7 +36,7 @@ def finished(
         work: work(seed, number, places) does it; importable by name.
 
     Raises:
-        WorkersDiedError: they die again and again.
+        working.WorkersDiedError: they die again and again.
     """
     before = {number: _written(folder, number) for number in numbers}
 
@@ -66,5 +64,5 @@ def _keep(folder: Path, work: Work, seed: int, places: int, number: int) -> Reco
 
 def _written(folder: Path, number: int) -> int | None:
     """When a pair's record was written [ns]; none if there is none."""
-    path = path_of(folder, number)
+    path = PAIRS.path(folder, number)
     return path.stat().st_mtime_ns if path.exists() else None

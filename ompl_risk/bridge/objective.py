@@ -9,14 +9,17 @@ from itertools import pairwise
 from typing import Any
 
 from ompl import base as ob
+from ompl import control as oc
 from ompl import geometric as og
 
 from ompl_risk.avoidance import Avoidance, InverseDistance
 from ompl_risk.bridge import faults
+from ompl_risk.bridge.paths import read_steps
 from ompl_risk.bridge.states import StateReader
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion import Risk, motion_model
 from ompl_risk.motion.moving import refuse_moving
+from ompl_risk.motion.timed import timed_norm
 from ompl_risk.norms import Norm, Sobolev
 
 
@@ -141,8 +144,11 @@ class RiskObjective(ob.OptimizationObjective):
         """A motion costs the same in both directions."""
         return True
 
-    def norm(self, path: og.PathGeometric) -> float:
+    def norm(self, path: og.PathGeometric | oc.PathControl) -> float:
         """The norm of f along a path: rooted, without the weight of time, from the path itself.
+
+        A ``PathGeometric`` is flown at the objective's speed. A ``PathControl`` has its own time:
+        it is propagated, and between two propagation steps the vehicle moves straight.
 
         Args:
             path: over the objective's state space.
@@ -151,13 +157,20 @@ class RiskObjective(ob.OptimizationObjective):
             ||f||, inf if the path touches an obstacle.
 
         Raises:
-            ArgumentError: not a PathGeometric, or a path without a state.
+            ArgumentError: another kind of path, a path without a state, or a PathControl over a
+                space whose states cannot be read, or lack the orientation that the clearance needs.
         """
-        if not isinstance(path, og.PathGeometric):
-            raise ArgumentError("path", type(path).__name__, "an og.PathGeometric")
+        if not isinstance(path, og.PathGeometric | oc.PathControl):
+            allowed = "an og.PathGeometric or oc.PathControl"
+            raise ArgumentError("path", type(path).__name__, allowed)
         if path.getStateCount() == 0:
             raise ArgumentError("path", "no states", "a path with at least one state")
         pure = replace(self.risk, duration_weight=0.0, tolerance=min(1e-3, self.risk.tolerance))
+        if isinstance(path, oc.PathControl):
+            return timed_norm(*read_steps(path), self.clearance, pure)
+        return self._norm_at_constant_speed(path, pure)
+
+    def _norm_at_constant_speed(self, path: og.PathGeometric, pure: Risk) -> float:
         model = motion_model(self.clearance, pure, self._reader.width)
         read_a, read_b = self._reader.into(model.a), self._reader.into(model.b)
         states, powers = path.getStates(), []

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +12,7 @@ from ompl import control as oc
 from ompl import geometric as og
 from scipy.spatial.transform import Rotation
 
+from ompl_risk.bridge.controls import WHOLE
 from ompl_risk.bridge.states import ALLOWED
 from ompl_risk.bridge.timed import timed_rows
 from ompl_risk.errors import ArgumentError
@@ -25,8 +27,9 @@ def read_path(path: Any, speed: float | None = None, name: str = "") -> Trajecto
 
     A ``PathGeometric`` is flown at constant speed. A ``PathControl`` has its own time; it is
     propagated at the step size of its space information, and held controls come along; of states
-    of SE(3) x R^6, as the helicopter's, also velocities in the world. States of an
-    ``ob.SpaceTimeStateSpace`` over R^3 carry their times.
+    of SE(3) x R^6, as the helicopter's, also velocities in the world. Where a control's duration is
+    no multiple of the step, the last step before the path's next state takes what is left of it.
+    States of an ``ob.SpaceTimeStateSpace`` over R^3 carry their times.
 
     Args:
         path: og.PathGeometric or oc.PathControl over R^3, SE(3), or a compound space that starts
@@ -64,6 +67,25 @@ def read_path(path: Any, speed: float | None = None, name: str = "") -> Trajecto
             "moving wherever it turns: at constant speed such a turn would take no time",
         )
     return Trajectory(plain.t, plain.positions, name, orientations=orientations[kept])
+
+
+def read_steps(path: oc.PathControl) -> tuple[np.ndarray, np.ndarray]:
+    """Where the states of a path are, at every propagation step, and how long each step takes.
+
+    Args:
+        path: over R^3, SE(3), or a compound space that starts with one of these; a state or more.
+
+    Returns:
+        Positions [m], shape (n, 3), or poses x, y, z, qx, qy, qz, qw, shape (n, 7), if the states
+        have an orientation; and durations [s], 0 or more, shape (n - 1,).
+
+    Raises:
+        ArgumentError: no state, states of another space, or controls that do not fit.
+    """
+    fine, steps = _propagated(path)
+    positions, orientations = _read_states(fine)
+    poses = positions if orientations is None else np.hstack([positions, orientations])
+    return poses, steps
 
 
 def publish(
@@ -115,12 +137,10 @@ def _read_timed(rows: np.ndarray, speed: float | None, name: str) -> Trajectory:
 
 def _read_controlled(path: oc.PathControl, name: str) -> Trajectory:
     """States at every propagation step, with the time and the control of each."""
-    fine = oc.PathControl(path)
-    fine.interpolate()
+    fine, steps = _propagated(path)
     if fine.getStateCount() < 2:
         raise ArgumentError("path", f"{fine.getStateCount()} states", "a path of two or more")
     positions, orientations = _read_states(fine)
-    steps = np.array(fine.getControlDurations(), dtype=np.float64)
     t = np.concatenate([[0.0], np.cumsum(steps)])
     kept = np.append(True, steps > 0.0)
     columns = _columns(path)
@@ -139,6 +159,36 @@ def _read_controlled(path: oc.PathControl, name: str) -> Trajectory:
         velocities=None if velocities is None else velocities[kept],
         controls=controls,
     )
+
+
+def _propagated(path: oc.PathControl) -> tuple[oc.PathControl, np.ndarray]:
+    """A copy with a state at every propagation step, and the durations of the steps (n - 1,) [s].
+
+    OMPL rounds the number of steps of a control and gives the full step size to all of them. It
+    keeps the path's own next state, so what is left of the control's duration is that of the last.
+
+    Raises:
+        ArgumentError: states and controls that do not fit, or a control that is held backwards.
+    """
+    states, controls = path.getStateCount(), path.getControlCount()
+    if states not in (0, controls + 1):
+        given = f"{states} states and {controls} controls"
+        raise ArgumentError("path", given, "one of one state more than controls")
+    held = path.getControlDurations()
+    if not all(duration >= 0.0 for duration in held):
+        raise ArgumentError("path", f"a control held for {min(held):g} s", "one of 0 s or more")
+    fine = oc.PathControl(path)
+    fine.interpolate()
+    steps = np.array(fine.getControlDurations(), dtype=np.float64)
+    first = 0
+    for duration in held:
+        size = float(steps[first])
+        count = 1 if size == duration else math.floor(0.5 + duration / size)
+        rest = duration - (count - 1) * size
+        first += count
+        if abs(rest - size) > WHOLE * duration:
+            steps[first - 1] = rest
+    return fine, steps
 
 
 def _read_velocities(

@@ -80,7 +80,8 @@ class Commands:
             terrain: a name of the catalogue (jacksboro, hills, ridge_valley, canyon, fractal), or a
                 GeoTIFF, ESRI ASCII grid, SRTM .hgt or NPZ file.
             files: two or more trajectories in the terrain's metres: .csv with a header t,x,y,z;
-                .tum or .txt (timestamp tx ty tz qx qy qz qw); .npz with t and positions.
+                .tum or .txt (timestamp tx ty tz qx qy qz qw); .npz with t and positions, or with a
+                flight as plan --vehicle helicopter writes it, which --rollouts flies as it is.
             settings: how they are judged.
             config: TOML file with any of these options; the command line wins.
         """

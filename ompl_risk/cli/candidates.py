@@ -63,10 +63,8 @@ class CandidateFinder(Finder):
 
     def _run(self, folder: RunFolder, console: Console) -> list[planners.Candidate]:
         found: list[planners.Candidate] = []
+        planners.warm_up(self._problem)  # which is no part of planning
         with progress_bar(console) as progress:
-            compiling = progress.add_task("compiling kernels", total=None)
-            planners.warm_up(self._problem)
-            progress.remove_task(compiling)
             bar = progress.add_task("planning candidates", total=len(self._tasks))
 
             def on_done(candidate: planners.Candidate) -> None:

@@ -12,6 +12,7 @@ from cyclopts import CycloptsError
 from rich.console import Console
 
 from ompl_risk.cli.app import make_app
+from ompl_risk.cli.compiling import compilation_announced
 from ompl_risk.cli.config import read_config
 from ompl_risk.cli.settings import PlanSettings
 from ompl_risk.errors import ArgumentError, OmplRiskError
@@ -48,13 +49,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
 def _run(tokens: list[str]) -> int:
     source = _config_file(tokens)
     values: dict[str, Any] = {} if source is None else read_config(source)
-    app = make_app(Console(), values, str(source))
-    result = app(
-        tokens,
-        exit_on_error=False,
-        print_error=False,
-        result_action="return_value",
-    )
+    console = Console()
+    app = make_app(console, values, str(source))
+    with compilation_announced(console):
+        result = app(
+            tokens,
+            exit_on_error=False,
+            print_error=False,
+            result_action="return_value",
+        )
     return result if isinstance(result, int) else 0  # --help and --version return None
 
 

@@ -46,7 +46,13 @@ def write_flights(
     for assessment, k in zip(ranking.assessments, judgement.order, strict=True):
         write_flight(path / f"{assessment.name}.npz", found.flights[k])
     trajectories = [assessment.trajectory for assessment in ranking.assessments]
-    flight_views(trajectories, scene.terrain, title=title, path=folder.path / "flights.png")
+    flight_views(
+        trajectories,
+        scene.terrain,
+        ranked_by="the L² norm of $P_c$",
+        title=title,
+        path=folder.path / "flights.png",
+    )
     written = ["flights.png", "flights/"]
     if settings.animation is not None:
         name = ranking.orders[ranking.labels[-1]][0]

@@ -1,21 +1,21 @@
-"""The command `rank`: trajectories from files, whoever planned them."""
+"""The command `rank`: trajectories and flights from files, whoever planned them."""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from ompl_risk.cli.closed_loop import closed_loop, write_closed_loop
+from ompl_risk.cli.inputs import Input, read_input
 from ompl_risk.cli.judging import Judgement, judge, report
 from ompl_risk.cli.run_folder import RunFolder, settings_as_values
 from ompl_risk.cli.scene import scene_of
 from ompl_risk.cli.settings import JudgeSettings
 from ompl_risk.errors import ArgumentError, FileError
 from ompl_risk.trajectory import Trajectory
-from ompl_risk.trajectory_files import read_trajectory
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -32,25 +32,40 @@ def rank_files(
         OmplRiskError: a setting or a file is wrong.
     """
     names = _names(files)
-    read = [read_trajectory(file, name=name) for file, name in zip(files, names, strict=True)]
+    inputs = [read_input(file, name) for file, name in zip(files, names, strict=True)]
+    read = [one.trajectory for one in inputs]
     scene = scene_of(terrain, settings)
     for file, trajectory in zip(files, read, strict=True):
         _check_inside(file, trajectory, scene.terrain)
+    plans = [] if settings.rollouts is None else [one.plan() for one in inputs]
     folder = RunFolder(settings.output)
     values = settings_as_values(terrain, settings)
     folder.write_config("rank", {**values, "files": [file.resolve() for file in files]})
-    judgement = judge(read, scene, estimates=closed_loop(read, scene, settings, console))
+    judgement = judge(read, scene, estimates=closed_loop(plans, scene, settings, console))
     title = f"{scene.terrain.name}: {len(files)} trajectories"
-    report(
-        judgement,
-        scene,
-        folder,
-        console,
-        title=title,
-        facts={"files": {name: str(f.resolve()) for name, f in zip(names, files, strict=True)}},
-    )
+    report(judgement, scene, folder, console, title=title, facts=_facts(inputs))
     write_closed_loop(judgement, scene, settings, folder, console, title)
+    if plans and len({one.vehicle for one in inputs}) > 1:
+        console.print(_two_vehicles(inputs), markup=False, soft_wrap=True)
     return judgement
+
+
+def _facts(inputs: Sequence[Input]) -> dict[str, Any]:
+    """What the provenance tells of the files."""
+    files = {one.trajectory.name: str(one.file.resolve()) for one in inputs}
+    if all(one.flight is None for one in inputs):
+        return {"files": files}
+    return {"files": files, "vehicles": {one.trajectory.name: one.vehicle for one in inputs}}
+
+
+def _two_vehicles(inputs: Sequence[Input]) -> str:
+    """Tells that probabilities differ by the vehicle too."""
+    flown = [one.trajectory.name for one in inputs if one.flight is not None]
+    others = [one.trajectory.name for one in inputs if one.flight is None]
+    return (
+        f"Flown by the helicopter: {', '.join(flown)}; by a point: {', '.join(others)}. Part of "
+        "the difference between their probabilities is the vehicle's."
+    )
 
 
 def _names(files: Sequence[Path]) -> list[str]:

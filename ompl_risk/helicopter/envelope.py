@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, readonly
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, readonly
 from ompl_risk._kernels import flight_checks
 from ompl_risk._kernels.flight_checks import OUTSIDE, TILTED, TOO_FAST, TURNS_TOO_FAST
 from ompl_risk._kernels.motion import CONTACT
@@ -19,7 +19,7 @@ from ompl_risk.helicopter.parameters import Limits
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Envelope:
+class Envelope(ReadOnlyArrays):
     """States that keep the limits and lie in a box.
 
     ::

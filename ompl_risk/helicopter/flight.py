@@ -4,13 +4,12 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from functools import cached_property, partial
-from typing import Any
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, positive, readonly
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive, readonly
 from ompl_risk._kernels import deviations, rigid_body
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.flight_limits import (
@@ -41,7 +40,7 @@ class Deviation:
 
 
 @dataclass(frozen=True, eq=False, init=False, repr=False)
-class Flight:
+class Flight(ReadOnlyArrays):
     """Inputs, each held for ``dt``, and the states that they lead through; arrays are read-only.
 
     ``planned`` are the states of the ideal route where the flight is meant to be at that moment.
@@ -105,11 +104,6 @@ class Flight:
     def __len__(self) -> int:
         """Steps."""
         return len(self.controls)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickled arrays are writable: go through the constructor.
-        rest = {k: getattr(self, k) for k in ("planned_times", "goal", "helicopter")}
-        return partial(Flight, **rest), (self.dt, self.states, self.controls, self.planned)
 
     @cached_property
     def t(self) -> FloatArray:

@@ -9,14 +9,14 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, positive, readonly, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive, readonly, real_number
 from ompl_risk.errors import ArgumentError
 
 Range = tuple[float, float]
 
 
 @dataclass(frozen=True, init=False)
-class Helicopter:
+class Helicopter(ReadOnlyArrays):
     """A small helicopter as one rigid body, eqs. (7) and (8) of the paper.
 
     ::

@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from ompl_risk._arrays import FloatArray, positive
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive
 from ompl_risk.helicopter.library import PrimitiveLibrary
 from ompl_risk.helicopter.planned_route import Leg, PlannedRoute, planned_route
 from ompl_risk.helicopter.trims import Key, Trim
@@ -28,7 +28,7 @@ class PathSamples(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class PrimitivePath:
+class PrimitivePath(ReadOnlyArrays):
     """The way that a steering found from one vertex to another, or that there is none.
 
     Args:

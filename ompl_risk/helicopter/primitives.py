@@ -8,7 +8,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, positive, readonly
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive, readonly
 from ompl_risk._kernels import rigid_body
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.flight_limits import (
@@ -44,7 +44,7 @@ def headings(states: FloatArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class Manoeuvre:
+class Manoeuvre(ReadOnlyArrays):
     """A flight from one trim to another: inputs that are held for ``dt`` each, and its states.
 
     Begun elsewhere, at any heading, it flies the same track to rounding.

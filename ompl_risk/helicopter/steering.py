@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, positive, readonly, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive, readonly, real_number
 from ompl_risk._kernels.connect import connection, connection_durations
 from ompl_risk._kernels.pieces import COLUMNS, MOST_PIECES
 from ompl_risk.errors import ArgumentError
@@ -31,7 +31,7 @@ from ompl_risk.motion.kinodynamic import KinodynamicSteering
 VERTEX = "(5,): x, y, z [m], heading [rad], index of the speed"
 
 
-class HelicopterSteering(KinodynamicSteering):
+class HelicopterSteering(ReadOnlyArrays, KinodynamicSteering):
     """Connects vertices by the quickest turn, straight flight and turn of a primitive library.
 
     A vertex is x, y, z [m], heading [rad] and an index into ``library.speeds``: level straight

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, readonly
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, readonly
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter.parameters import Helicopter, Limits
 from ompl_risk.helicopter.trims import Key, Trim, solve_trim
@@ -19,7 +19,7 @@ SAME = 1e-9
 
 
 @dataclass(frozen=True, init=False, eq=False)
-class TrimGrid:
+class TrimGrid(ReadOnlyArrays):
     """The trims of all combinations of speed, climb and turn rate that keep the limits.
 
     Trims to the right are the mirror images of those to the left.

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, as_floats, positive, readonly, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, as_floats, positive, readonly, real_number
 from ompl_risk.errors import ArgumentError
 from ompl_risk.helicopter import equilibrium
 from ompl_risk.helicopter.flight_limits import broken_in_controls, broken_in_states
@@ -30,7 +30,7 @@ class Key(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class Trim:
+class Trim(ReadOnlyArrays):
     """A relative equilibrium of eqs. (7) and (8): straight flight, or a helix of constant attitude.
 
     ::

@@ -39,8 +39,8 @@ class Risk:
         duration_weight: cost of a second, in the unit of f^p; ``None`` for the tie-break, 0 for
             none.
         tolerance: pieces of a motion are halved until a share of the cost changes by less than
-            this fraction. The cost as a whole is then about as accurate; a piece that an edge of the
-            terrain crosses close to one of its ends may be off by the square root of it.
+            this fraction. The cost as a whole is then about as accurate; a piece with an edge of
+            the terrain close to one of its ends may be off by the square root of it.
 
     Raises:
         ArgumentError: a norm whose powers do not add up along a path, a weight together with

@@ -5,18 +5,17 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, positive, readonly, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive, readonly, real_number
 from ompl_risk.errors import ArgumentError
 from ompl_risk.motion.lines import travelled
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Connection:
+class Connection(ReadOnlyArrays):
     """A way from one state to another, or that there is none.
 
     Between neighbouring samples, which are duration / (k - 1) apart in time, the vehicle moves
@@ -50,10 +49,6 @@ class Connection:
             raise ArgumentError("samples.shape", states.shape, "(k, width), k >= 2, width >= 3")
         object.__setattr__(self, "duration", seconds)
         object.__setattr__(self, "samples", states)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickled arrays are writable: go through the constructor.
-        return (Connection, (self.duration, self.samples)) if self.exists else (Connection.none, ())
 
     @classmethod
     def none(cls) -> Connection:

@@ -8,7 +8,14 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, as_floats, increasing_times, positive, readonly
+from ompl_risk._arrays import (
+    FloatArray,
+    ReadOnlyArrays,
+    as_floats,
+    increasing_times,
+    positive,
+    readonly,
+)
 from ompl_risk.avoidance.gaussian_tail import upper_tail
 from ompl_risk.errors import ArgumentError
 
@@ -17,7 +24,7 @@ _SHORT = 1e-2
 
 
 @dataclass(frozen=True, eq=False)
-class Crossings:
+class Crossings(ReadOnlyArrays):
     """Expected entries into obstacles along a trajectory.
 
     Attributes:

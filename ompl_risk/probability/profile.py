@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import numpy as np
 
-from ompl_risk._arrays import FloatArray, positive
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.clearance.moving.clearance import MovingClearance
 from ompl_risk.errors import ArgumentError
@@ -20,7 +20,7 @@ from ompl_risk.trajectory import Trajectory
 
 
 @dataclass(frozen=True, eq=False)
-class CollisionProfile:
+class CollisionProfile(ReadOnlyArrays):
     """P_c(t) along a trajectory, with how sure it is.
 
     Attributes:

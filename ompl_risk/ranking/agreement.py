@@ -8,11 +8,11 @@ from typing import Any
 
 import numpy as np
 
-from ompl_risk._arrays import FloatArray
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays
 
 
 @dataclass(frozen=True, eq=False)
-class Agreement:
+class Agreement(ReadOnlyArrays):
     """Kendall's tau-b between the norms of the rows and those of the columns.
 
     1: the same order, -1: the reverse order, 0: none. Ties count as tau-b does; infinite norms

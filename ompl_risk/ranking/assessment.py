@@ -10,7 +10,7 @@ from typing import Protocol
 
 import numpy as np
 
-from ompl_risk._arrays import FloatArray
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays
 from ompl_risk.avoidance import Avoidance
 from ompl_risk.norms import Norm
 from ompl_risk.ranking.attribution import Attribution, Attributions
@@ -52,7 +52,7 @@ class Estimate(Protocol):
 
 
 @dataclass(frozen=True, eq=False)
-class Assessment:
+class Assessment(ReadOnlyArrays):
     """The risk along one trajectory.
 
     Args:

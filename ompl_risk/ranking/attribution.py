@@ -8,14 +8,14 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ompl_risk._arrays import FloatArray
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays
 from ompl_risk.errors import ArgumentError
 from ompl_risk.norms import Norm
 from ompl_risk.ranking.sampling import Samples
 
 
 @dataclass(frozen=True, eq=False)
-class Attribution:
+class Attribution(ReadOnlyArrays):
     """The part of a trajectory that a norm's p-th power comes from.
 
     Args:

@@ -41,8 +41,9 @@ def rank(
     The samples given may be corners far apart. Each trajectory is straight between them, and
     samples are inserted until no step is longer than `max_step`, nor, where an obstacle is
     within d0, than a tenth of the distance to it, because f changes on that scale (down to steps
-    of d0 / 10,000). On f = 1/d - 1/d0, and on `FlatCap` and `GaussianTail` with their own d0,
-    that leaves errors below 0.1 % in the norms (0.5 % in the tiny ones of a trajectory that
+    of d0 / 10,000). Where f is bounded and so changes less, up to a quarter of the distance will
+    do, see `Avoidance.steady`. On f = 1/d - 1/d0, and on `FlatCap` and `GaussianTail` with their
+    own d0, that leaves errors below 0.1 % in the norms (0.5 % in the tiny ones of a trajectory that
     hardly comes nearer than d0).
     Norms that need equal time steps get as many samples in equal steps. Steps are measured
     in position: for a body whose orientation matters, give samples that are dense in rotation.

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ompl_risk._arrays import FloatArray, as_floats
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, as_floats
 from ompl_risk.avoidance import Avoidance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.trajectory import Trajectory
@@ -22,6 +22,9 @@ Clearance = Callable[..., ArrayLike]
 
 RELATIVE_STEP = 0.1
 """Longest step near obstacles, as a part of the distance to them."""
+STEADY_STEP, NEAR_STEP = 0.05, 0.25
+"""The same where f is bounded, as a part of the length over which it changes, but no more than this
+part of the distance: the least distance is then found within 1 %."""
 FLOOR = 1e-3
 """Distances below this part of d0 refine the steps no further."""
 _MAX_ROUNDS = 30
@@ -29,7 +32,7 @@ _MAX_PARTS = 8
 
 
 @dataclass(frozen=True, eq=False)
-class Samples:
+class Samples(ReadOnlyArrays):
     """A trajectory, the distance to obstacles along it and the avoidance function.
 
     Args:
@@ -49,10 +52,12 @@ def sample(
     """Distances at samples dense enough for the norms of f.
 
     No step is longer than max_step, nor, where d < d0, than a tenth of d at its ends (of
-    d0 / 1000 if d is less): f = 1/d changes on the scale of d. Where d crosses d0, f has a kink:
-    that step is at most d0 / 1000. As d changes at most by the length moved, d is then positive
-    between samples at which it is more than d0 / 10,000. Where obstacles move, a step is as long as
-    the vehicle moves against any obstacle that may come within d0 in that time.
+    d0 / 1000 if d is less): f = 1/d changes on the scale of d. A bounded f changes on the scale of
+    its `steady` length, however small d is, and steps may then have a twentieth of that, up to a
+    quarter of d. Where d crosses d0, f has a kink: that step is at most d0 / 1000. As d changes at
+    most by the length moved, d is then positive between samples at which it is more than
+    d0 / 10,000. Where obstacles move, a step is as long as the vehicle moves against any obstacle
+    that may come within d0 in that time.
 
     Args:
         trajectory: the trajectory.
@@ -69,7 +74,7 @@ def sample(
     trajectory = trajectory.densify(max_step)
     d = distances(clearance, trajectory)
     for _ in range(_MAX_ROUNDS):
-        parts = _parts_of(trajectory, clearance, d, avoidance.d0, max_step)
+        parts = _parts_of(trajectory, clearance, d, avoidance, max_step)
         if (parts == 1).all():
             break
         trajectory = trajectory.subdivide(parts)
@@ -134,28 +139,31 @@ def _steps(positions: FloatArray) -> FloatArray:
 
 
 def _parts_of(
-    trajectory: Trajectory, clearance: Any, d: FloatArray, d0: float, max_step: float
+    trajectory: Trajectory, clearance: Any, d: FloatArray, avoidance: Avoidance, max_step: float
 ) -> NDArray[np.int64]:
     """Into how many parts each step of a trajectory is to be divided, whole numbers."""
     if not getattr(clearance, "moves", False):
-        return _parts(_steps(trajectory.positions), d, d0)
-    t, x = trajectory.t, trajectory.positions
+        return _parts(_steps(trajectory.positions), d, avoidance)
+    t, x, d0 = trajectory.t, trajectory.positions, avoidance.d0
     steps = clearance.travels(x[:-1], t[:-1], x[1:], t[1:], far=d0)
     # What is beyond d0 at both ends may have been so until just before it came near: d0 is all that
     # is known. Steps are rounded more than positions, by the rounding of times. A long wait may be
     # near an obstacle for a moment, so it is not divided into many equal parts at once.
     steps *= 1.0 - 1e-9
     longest = np.ceil(steps / max_step).astype(np.int64)
-    parts = np.maximum(_parts(steps, np.minimum(d, d0), d0), longest)
+    parts = np.maximum(_parts(steps, np.minimum(d, d0), avoidance), longest)
     return np.minimum(parts, _MAX_PARTS)
 
 
-def _parts(steps: FloatArray, d: FloatArray, d0: float) -> NDArray[np.int64]:
+def _parts(steps: FloatArray, d: FloatArray, avoidance: Avoidance) -> NDArray[np.int64]:
     """Into how many parts each step is to be divided, whole numbers."""
-    near = np.minimum(d[:-1], d[1:])
+    d0, near = avoidance.d0, np.minimum(d[:-1], d[1:])
     # Beyond this f is 0 on the whole step, as d is 1-Lipschitz; at or below 0 it is infinite.
     matters = (near - steps / 2 < d0) & (near > 0)
     longest = RELATIVE_STEP * np.maximum(near, FLOOR * d0)
+    if avoidance.steady is not None:
+        bounded = np.minimum(STEADY_STEP * avoidance.steady, NEAR_STEP * near)
+        longest = np.maximum(longest, bounded)
     enters = (d[:-1] < d0) != (d[1:] < d0)
     longest = np.where(enters, FLOOR * d0, longest)
     parts = np.where(matters, np.ceil(steps / longest * (1 - 1e-12)), 1)

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
     from ompl_risk.terrains import Terrain
     from ompl_risk.trajectory import Trajectory
 
+HEIGHT, LINE, LEFT = 6.6, 0.25, 0.045
+"""Least height, and height of a line of the legend [inch]; where the map begins, as a part."""
 FARTHEST = 0.99
 """Share of rollouts up to which the distribution of least clearance is drawn."""
 
@@ -40,21 +42,28 @@ def closed_loop_figure(
         path: where to write the figure, if given.
 
     Returns:
-        The figure, 1400 pixels wide.
+        The figure, 1600 pixels wide.
 
     Raises:
         FileError: the file cannot be written.
     """
     names = short([trajectory.name for trajectory in trajectories])
-    figure = new_figure(14.0, 6.6)
-    figure.text(0.05, 0.955, title, fontsize=SIZES["title"], fontweight="bold", color=INK)
-    plan = figure.add_axes((0.05, 0.09, 0.46, 0.8))
-    draw_plan_view(plan, terrain, trajectories, names)
-    for k, estimate in enumerate(estimates):
-        x, y = estimate.places[:, :2].T * KM
-        plan.plot(x, y, "X", color=colour(k), markersize=9, markeredgecolor=INK, zorder=6)
+    height = max(HEIGHT, 1.9 + LINE * len(names))
+    low, tall = 0.6 / height, 1.0 - 1.45 / height
+    figure = new_figure(16.0, height)
+    figure.text(
+        LEFT, 1.0 - 0.36 / height, title, fontsize=SIZES["title"], fontweight="bold", color=INK,
+        va="center",
+    )  # fmt: skip
+    plan = figure.add_axes((LEFT, low, 0.41, tall))
+    places = [estimate.places[:, :2] for estimate in estimates]
+    draw_plan_view(plan, terrain, trajectories, names, marks=np.concatenate(places))
+    for k, place in enumerate(places):
+        plan.plot(
+            *(KM * place.T), "X", color=colour(k), markersize=9, markeredgecolor=INK, zorder=6
+        )
     plan.set_title("crosses: collisions", fontsize=SIZES["text"], loc="left", color=INK)
-    _draw_distributions(figure.add_axes((0.58, 0.09, 0.39, 0.8)), names, estimates)
+    _draw_distributions(figure.add_axes((0.505, low, 0.275, tall)), names, estimates)
     if path is not None:
         save(figure, path)
     return figure
@@ -80,8 +89,9 @@ def _draw_distributions(
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
     axes.spines[["top", "right"]].set_visible(False)
     axes.legend(
-        title=f"probability of a collision ({100 * estimates[0].confidence:.4g} %)",
-        fontsize=SIZES["small"], title_fontsize=SIZES["small"], loc="best", framealpha=0.9,
+        title=f"probability of a collision\n(interval: {100 * estimates[0].confidence:.4g} %)",
+        fontsize=SIZES["small"], title_fontsize=SIZES["small"], frameon=False,
+        loc="upper left", bbox_to_anchor=(1.02, 1.02), alignment="left", borderaxespad=0.0,
     )  # fmt: skip
 
 

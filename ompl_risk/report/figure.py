@@ -50,7 +50,7 @@ def ranking_figure(
     Reference: Nair and Kobilarov, Fig. 5.
     """
     labels = short([a.name for a in ranking.assessments])
-    extra = 0.28 * max(0, len(labels) - 5)  # inches: tables grow by a line for each trajectory
+    extra = 0.31 * max(0, len(labels) - 5)  # inches: tables grow by a line for each trajectory
     height = 10.4 + 2 * extra
     figure = new_figure(WIDTH, height)
     bottom, gap = 3.05 / height, 0.62 / height
@@ -79,7 +79,7 @@ def ranking_figure(
 def _heading(figure: Figure, title: str, height: float) -> None:
     y = 1 - 0.36 / height
     figure.text(0.045, y, title, fontsize=SIZES["title"], fontweight="bold", color=INK, va="center")
-    note = "in order of the L² norm of $P_c$; least of a column green, greatest orange"
+    note = "in order of the L² norm of $P_c$; least of a column blue, greatest orange"
     figure.text(0.985, y, note, fontsize=SIZES["small"], color=FAINT, ha="right", va="center")
 
 

@@ -25,6 +25,7 @@ def draw_flight(
     colour: str,
     *,
     width: float = 2.4,
+    dash: Any = "solid",
     casing: bool = True,
     opacity: float = 1.0,
     zorder: float = 3.0,
@@ -38,6 +39,7 @@ def draw_flight(
         curve: points [m], shape (n, 3).
         colour: of the line.
         width: of the line [pt].
+        dash: its style where it is seen.
         casing: whether it has a white edge.
         opacity: of the whole.
         zorder: of the whole.
@@ -55,7 +57,7 @@ def draw_flight(
     if casing:
         edge = {**style, "color": "white", "linewidth": width + 1.8, "alpha": 0.85 * opacity}
         drawn.append(_lines(axes, whole, **edge))
-    drawn.append(_lines(axes, whole, **style, linewidth=width, alpha=opacity))
+    drawn.append(_lines(axes, whole, **style, linewidth=width, linestyle=dash, alpha=opacity))
     return drawn
 
 

@@ -10,10 +10,13 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from ompl_risk.report.style import FAINT, INK, RISKIEST, SAFEST, SIZES, colour, dashes
+from ompl_risk.report.style import DPI, FAINT, INK, RISKIEST, SAFEST, SIZES, colour, dashes, short
+from ompl_risk.report.text_size import text_width
 
-MOST_NAMES = 7
-"""An order of more names than this does not fit below its column."""
+NAMES, UNITS, RULE = 1.28, 1.86, 2.2
+"""Where names of norms, their units and the rule below stand [lines of text]; then come rows."""
+ORDER_LINES = 2
+"""Of an order that takes more lines below its column only the first name is shown."""
 
 
 @dataclass(frozen=True)
@@ -45,40 +48,83 @@ class NormTable:
 
 
 def draw_norm_table(axes: Axes, table: NormTable) -> None:
-    """Draw a table; the least number of a column is marked as safest, the greatest as riskiest."""
-    axes.set_axis_off()
-    axes.set_xlim(0.0, 1.0)
+    """Draw a table; the least number of a column is marked as safest, the greatest as riskiest.
+
+    Args:
+        axes: where to draw, of fixed size.
+        table: what to draw.
+    """
     rows = len(table.labels)
-    axes.set_ylim(rows + 3.2, 0.0)  # in lines of text, downwards
-    axes.text(0.0, 0.45, table.title, fontsize=SIZES["text"] + 1, color=INK, va="center")
     first = 0.16 if max(map(len, table.labels)) <= 4 else 0.3
     width = (1.0 - first) / len(table.columns)
+    inches = width * axes.get_window_extent().width / DPI
+    in_line = _names_in_line(table.labels, inches)
+    axes.set_axis_off()
+    axes.set_xlim(0.0, 1.0)
+    lines = math.ceil(rows / in_line) if in_line else 1
+    axes.set_ylim(RULE + rows + 1.25 + 0.7 * (lines - 1), 0.0)  # in lines of text, downwards
+    axes.text(0.0, 0.45, table.title, fontsize=SIZES["text"] + 1, color=INK, va="center")
     for i, label in enumerate(table.labels):
         style: Any = dashes(i)
-        axes.plot([0.01, 0.05], [i + 2.5] * 2, color=colour(i), linestyle=style, linewidth=4)
-        _cell(axes, 0.07, i + 2.5, label, weight="bold", align="left")
+        axes.plot(
+            [0.01, 0.05], [RULE + 0.55 + i] * 2, color=colour(i), linestyle=style, linewidth=4
+        )
+        _cell(axes, 0.07, RULE + 0.55 + i, label, weight="bold", align="left")
     for k, column in enumerate(table.columns):
         _draw_column(axes, table, column, first + k * width, width)
-    _rule(axes, 1.95, 1.2)
-    _rule(axes, rows + 2.05, 0.8)
-    _cell(axes, 0.012, rows + 2.6, "order", align="left", faint=True)
+        centre = first + (k + 0.5) * width
+        if in_line:
+            _draw_order(axes, table, column, centre, in_line)
+        else:
+            _draw_safest(axes, table, column, centre, inches)
+    _rule(axes, RULE, 1.2)
+    _rule(axes, RULE + rows + 0.1, 0.8)
+    _cell(
+        axes, 0.012, RULE + rows + 0.65, "order" if in_line else "safest", align="left", faint=True
+    )
+
+
+def _names_in_line(labels: Sequence[str], width: float) -> int:
+    """How many names of an order fit into a line [inch]; 0 if it takes too many lines."""
+    if max(map(len, labels)) > 2:
+        return 0
+    size = SIZES["small"]
+    wide = max(text_width(f"{label} M", size) - text_width("M", size) for label in labels)
+    most = math.floor(0.95 * width / wide)
+    if most == 0 or most * ORDER_LINES < len(labels):
+        return 0
+    return math.ceil(len(labels) / math.ceil(len(labels) / most))
+
+
+def _draw_order(axes: Axes, table: NormTable, column: str, centre: float, in_line: int) -> None:
+    names = [table.labels[i] for i in table.order(column)]
+    below = RULE + len(names) + 0.65
+    for k in range(0, len(names), in_line):
+        line = " ".join(names[k : k + in_line])
+        _cell(axes, centre, below + 0.7 * k / in_line, line, small=True)
+
+
+def _draw_safest(axes: Axes, table: NormTable, column: str, centre: float, inches: float) -> None:
+    """The first of an order that has no room, cut to the width of its column [inch]."""
+    name = table.labels[table.order(column)[0]]
+    letters = len(name)
+    while letters > 3 and text_width(name, SIZES["small"]) > 0.95 * inches:
+        letters -= 1
+        (name,) = short([name], letters)
+    _cell(axes, centre, RULE + len(table.labels) + 0.65, name, small=True)
 
 
 def _draw_column(axes: Axes, table: NormTable, column: str, left: float, width: float) -> None:
-    centre, rows, order = left + width / 2, len(table.labels), table.order(column)
-    _cell(axes, centre, 1.2, mathematical(column), weight="bold")
-    _cell(axes, centre, 1.68, table.units[column], faint=True, small=True)
+    centre, order = left + width / 2, table.order(column)
+    _cell(axes, centre, NAMES, mathematical(column), weight="bold")
+    _cell(axes, centre, UNITS, table.units[column], faint=True, small=True)
     texts = [table.text(value) for value in table.columns[column]]
     for i, text in enumerate(texts):
         background = _background(text, least=texts[order[0]], greatest=texts[order[-1]])
         if background:
-            box = Rectangle((left + 0.06 * width, i + 2.05), 0.88 * width, 0.9, color=background)
-            axes.add_patch(box)
-        _cell(axes, centre, i + 2.5, text, weight="bold" if background else "normal")
-    if rows <= MOST_NAMES and all(len(label) <= 2 for label in table.labels):
-        _cell(axes, centre, rows + 2.6, " ".join(table.labels[i] for i in order), small=True)
-    else:
-        _cell(axes, centre, rows + 2.6, f"safest: {table.labels[order[0]]}", small=True)
+            corner = left + 0.06 * width, RULE + 0.1 + i
+            axes.add_patch(Rectangle(corner, 0.88 * width, 0.9, color=background))
+        _cell(axes, centre, RULE + 0.55 + i, text, weight="bold" if background else "normal")
 
 
 def _background(text: str, *, least: str, greatest: str) -> str | None:

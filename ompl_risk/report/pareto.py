@@ -47,11 +47,13 @@ def pareto_figure(
             [*durations, right], [*norms, norms[-1]], where="post", color=colour(0), linewidth=1.4
         )
         axes.plot(durations, norms, "o", color=colour(0), markersize=4)
-        axes.set_xlim(min(durations) - 0.05 * span, right)
-        axes.set_ylim(0.0, 1.05 * max(norms) if max(norms) > 0.0 else 1.0)
+        left = min(durations) - 0.05 * span
+        axes.set_xlim(left, right)
+        top = 1.05 * max(norms) if max(norms) > 0.0 else 1.0
+        axes.set_ylim(0.0, top)
         axes.fill_between(
-            [*durations, right], 0.0, [*norms, norms[-1]], step="post", color=FAINT, alpha=0.12,
-            linewidth=0,
+            [left, *durations, right], 0.0, [top, *norms, norms[-1]], step="post", color=FAINT,
+            alpha=0.12, linewidth=0,
         )  # fmt: skip
         axes.text(
             0.02, 0.04, "no path in the roadmap", transform=axes.transAxes, color=FAINT,
@@ -59,16 +61,21 @@ def pareto_figure(
         )  # fmt: skip
         _shares(axes, durations[0])
     root = norm_unit(norm, of=unit).replace("s^(1/2)", "√s")
+    in_root = "" if root == "1" else f" [{root}]"
     axes.set_xlabel("duration [s]", fontsize=SIZES["text"])
-    axes.set_ylabel(f"{mathematical(norm.label)} of $f$ [{root}]", fontsize=SIZES["text"])
+    axes.set_ylabel(f"{mathematical(norm.label)} of $f${in_root}", fontsize=SIZES["text"])
     axes.tick_params(labelsize=SIZES["small"])
     axes.grid(color=FAINT, alpha=0.25, linewidth=0.6)
     axes.spines["right"].set_visible(False)
-    title = f"Pareto set of duration and risk: {len(durations)} paths"
+    title = f"Pareto set of duration and risk: {_paths(len(durations))}"
     figure.text(0.11, 0.945, title, fontsize=SIZES["title"], fontweight="bold", color=INK)
     if path is not None:
         save(figure, path)
     return figure
+
+
+def _paths(count: int) -> str:
+    return "1 path" if count == 1 else f"{count} paths"
 
 
 def _shares(axes: Axes, fastest: float) -> None:

@@ -12,7 +12,9 @@ from matplotlib.patches import Patch
 from matplotlib.patheffects import withStroke
 
 from ompl_risk._arrays import FloatArray
-from ompl_risk.report.style import INK, SIZES, colour, dashes
+from ompl_risk.report.map_labels import NOWHERE, draw_label, label_points, label_size
+from ompl_risk.report.style import DPI, INK, SIZES, colour, dashes
+from ompl_risk.report.text_size import POINTS_PER_INCH
 from ompl_risk.trajectory import Trajectory
 
 if TYPE_CHECKING:
@@ -31,6 +33,7 @@ def draw_plan_view(
     labels: Sequence[str],
     *,
     ceiling: float | None = None,
+    marks: FloatArray = NOWHERE,
 ) -> None:
     """Draw paths with their labels, start and goal.
 
@@ -42,6 +45,7 @@ def draw_plan_view(
         trajectories: the paths.
         labels: a short label for each.
         ceiling: ground above this altitude [m] is tinted, if given.
+        marks: places [m], shape (n, 2), that labels had better not cover.
     """
     curves = [_curve(trajectory) for trajectory in trajectories]
     _set_limits(axes, np.concatenate(curves))
@@ -56,41 +60,12 @@ def draw_plan_view(
             solid_capstyle="round",
         )
     _draw_ends(axes, curves)
-    wide = any(len(label) > 2 for label in labels)
-    for i, (label, point) in enumerate(zip(labels, label_points(curves, wide), strict=True)):
-        _draw_label(axes, label, point, colour(i))
+    points = label_points(curves, size=label_size(axes, labels), avoid=KM * marks)
+    for i, (label, point) in enumerate(zip(labels, points, strict=True)):
+        draw_label(axes, label, point, colour(i))
     axes.set_xlabel("east [km]", fontsize=SIZES["text"])
     axes.set_ylabel("north [km]", fontsize=SIZES["text"])
     axes.tick_params(labelsize=SIZES["small"])
-
-
-def label_points(curves: Sequence[FloatArray], wide: bool = False) -> list[FloatArray]:
-    """Where to label each curve: where it is farthest from the others and from labels so far.
-
-    Args:
-        curves: points (n, 2), all in the same unit.
-        wide: whether labels are wider than high, so that they had better lie one below the other.
-
-    Returns:
-        A point (2,) on each curve.
-    """
-    ends = np.concatenate([curve[[0, -1]] for curve in curves])
-    points: list[FloatArray] = []
-    for i, curve in enumerate(curves):
-        inner = curve[len(curve) // 10 : -len(curve) // 10 or None]
-        others = [other for k, other in enumerate(curves) if k != i]
-        gap = _distance(inner, np.concatenate([ends, *others]))
-        if points:
-            shape = np.array([0.3 if wide else 1.0, 1.0])
-            gap = np.minimum(gap, _distance(inner * shape, np.array(points) * shape))
-        points.append(inner[int(np.argmax(gap))])
-    return points
-
-
-def _distance(points: FloatArray, others: FloatArray) -> FloatArray:
-    """Distance of each point to the nearest of the others."""
-    steps = points[:, None, :] - others[None, :, :]
-    return np.sqrt((steps**2).sum(axis=2)).min(axis=1)
 
 
 def _curve(trajectory: Trajectory) -> FloatArray:
@@ -161,35 +136,22 @@ def _draw_ends(axes: Axes, curves: Sequence[FloatArray]) -> None:
 
 
 def _annotate(axes: Axes, name: str, point: FloatArray) -> None:
-    """Name an end on the side that looks away from the middle of the map, or below it."""
+    """Name an end, below it and a little away from the middle of the map, but within the map."""
     middle = float(np.mean(axes.get_xlim()))
-    axes.annotate(
+    text = axes.annotate(
         name,
         (float(point[0]), float(point[1])),
-        xytext=(0, -13),
+        xytext=(-14 if point[0] < middle else 14, -21),
         textcoords="offset points",
-        ha="right" if point[0] < middle else "left",
-        va="top",
-        fontsize=SIZES["text"],
-        fontweight="bold",
-        color=INK,
-        path_effects=[withStroke(linewidth=3, foreground="white")],
-    )
-
-
-def _draw_label(axes: Axes, label: str, point: FloatArray, edge: str) -> None:
-    axes.annotate(
-        label,
-        (float(point[0]), float(point[1])),
         ha="center",
         va="center",
         fontsize=SIZES["text"],
         fontweight="bold",
         color=INK,
-        bbox={
-            "boxstyle": "circle,pad=0.25" if len(label) == 1 else "round,pad=0.25",
-            "facecolor": "white",
-            "edgecolor": edge,
-            "linewidth": 2,
-        },
+        path_effects=[withStroke(linewidth=3, foreground="white")],
     )
+    shown, room = text.get_window_extent(), axes.get_window_extent().padded(-4.0)
+    right = max(0.0, room.x0 - shown.x0) - max(0.0, shown.x1 - room.x1)
+    up = 42.0 if shown.y0 < room.y0 else 0.0
+    x, y = text.xyann
+    text.xyann = (x + right * POINTS_PER_INCH / DPI, y + up)

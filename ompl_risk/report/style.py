@@ -12,10 +12,11 @@ from ompl_risk.errors import FileError
 
 COLOURS = ("#0072B2", "#009E73", "#E69F00", "#D55E00", "#CC79A7", "#56B4E9", "#000000")
 """Okabe and Ito's palette without its yellow, which is lost on white."""
-DASHES = ("solid", (0, (5, 1.5)), (0, (1.5, 1)))
+DASHES = ("solid", (0, (5, 1.5)), (0, (6, 1.5, 1.5, 1.5)))
 """Line styles of the first seven lines, the next seven, and so on."""
-SAFEST, RISKIEST = "#CFE8DC", "#FBD9C2"
-"""Backgrounds of the least and the greatest number of a column."""
+SAFEST, RISKIEST = "#CFE3F5", "#FBD9C2"
+"""Backgrounds of the least and the greatest number of a column: blue and orange, which also those
+tell apart who see no difference of red and green."""
 INK, FAINT = "#222222", "#777777"
 SIZES = {"title": 14.0, "text": 11.0, "small": 9.5}
 """Sizes of type [pt]; at 100 dots per inch the small one is 13 pixels high."""

@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from matplotlib.axes import Axes
-from matplotlib.patheffects import withStroke
 
 from ompl_risk._arrays import FloatArray
 from ompl_risk.avoidance import Avoidance
@@ -34,16 +33,18 @@ def draw_distance(axes: Axes, assessments: Sequence[Assessment], d0: float) -> N
         if a.collision_time is not None:
             axes.plot(a.collision_time, 0.0, "X", color=colour(i), markersize=9, zorder=5)
     axes.axhline(d0, color=INK, linewidth=1.2, linestyle=(0, (4, 2)))
-    axes.text(
-        0.99,
-        d0,
+    axes.annotate(
         f"$d_0$ = {d0:g} m",
-        transform=axes.get_yaxis_transform(),
+        (0.99, d0),
+        xycoords=axes.get_yaxis_transform(),
+        xytext=(0, 3),
+        textcoords="offset points",
         ha="right",
         va="bottom",
         fontsize=SIZES["small"],
         color=INK,
-        path_effects=[withStroke(linewidth=3, foreground="white")],
+        zorder=6,
+        bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.8, "pad": 0.5},
     )
     axes.set_ylim(low, top)
     _finish(axes, "Distance to obstacles $d(t)$ [m]", assessments)

@@ -1,93 +1,161 @@
-"""What stands beside the views of flights: headings, compass and legend."""
+"""The legend of views of flights."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
 
-from ompl_risk.report.camera import Camera
 from ompl_risk.report.flight_scene import Scene
-from ompl_risk.report.style import FAINT, INK, SIZES, colour
-from ompl_risk.report.viewpoints import named
+from ompl_risk.report.style import FAINT, INK, SIZES, colour, dashes
+from ompl_risk.report.text_size import text_width
 from ompl_risk.trajectory import Trajectory
 
-_ROW = 0.075
+ROW, NOTE = 0.26, 0.21
+"""Height of a row, and of one in small type [inch]."""
+SWATCH, TEXT = 0.55, 0.7
+"""Length of a sample of a line, and where the text beside it begins [inch]."""
+PAD = 0.2
+"""Around the legend and between its blocks [inch]."""
 
 
-def draw_heading(axes: Axes, label: str, azimuth: float, edge: str) -> None:
-    """Name the flight that a view shows, and from where it is seen."""
-    axes.text(
-        0.035, 0.95, label, transform=axes.transAxes, ha="left", va="center",
-        fontsize=SIZES["title"], fontweight="bold", color=INK,
-        bbox={
-            "boxstyle": "circle,pad=0.3" if len(label) == 1 else "round,pad=0.3",
-            "facecolor": "white", "edgecolor": edge, "linewidth": 2.5,
-        },
-    )  # fmt: skip
-    axes.text(
-        0.09 + 0.018 * len(label), 0.95, f"seen from the {named(azimuth)}",
-        transform=axes.transAxes, ha="left", va="center", fontsize=SIZES["text"], color=INK,
-    )  # fmt: skip
+@dataclass(frozen=True)
+class Shown:
+    """A flight that has a view.
+
+    Args:
+        index: of its colour and dashes.
+        label: its name, short.
+        trajectory: the flight.
+    """
+
+    index: int
+    label: str
+    trajectory: Trajectory
 
 
-def draw_compass(axes: Axes, camera: Camera) -> None:
-    """An arrow to the north in the ground's plane, as the camera sees it, in the upper corner."""
-    right, up, _ = camera.axes
-    arrow = np.array([right[1], up[1]])  # the image of (0, 1, 0)
-    (x0, y0), half = (0.92, 0.9), np.full(2, 0.065)
-    box = axes.get_window_extent()
-    arrow = arrow * half * [box.height / box.width, 1.0]
-    axes.annotate(
-        "", (x0 + arrow[0], y0 + arrow[1]), (x0 - arrow[0], y0 - arrow[1]),
-        xycoords="axes fraction", textcoords="axes fraction",
-        arrowprops={"arrowstyle": "-|>", "color": INK, "linewidth": 1.4},
-    )  # fmt: skip
-    axes.text(
-        x0 + 1.7 * arrow[0], y0 + 1.7 * arrow[1], "N", transform=axes.transAxes, ha="center",
-        va="center", fontsize=SIZES["small"], fontweight="bold", color=INK,
-    )  # fmt: skip
+@dataclass(frozen=True)
+class _Block:
+    """A part of the legend: its size [inch], and how to draw it from its upper left corner."""
+
+    width: float
+    height: float
+    draw: Callable[[Axes, float, float], None]
 
 
-def draw_legend(
-    axes: Axes,
-    scene: Scene,
-    trajectories: Sequence[Trajectory],
-    labels: Sequence[str],
-    poses: int,
-) -> None:
-    """Name the flights' colours, durations and lengths, and what is not to scale."""
-    axes.set_axis_off()
-    axes.set_xlim(0.0, 1.0)
-    axes.set_ylim(0.0, 1.0)
-    y = 0.9
-    step = min(_ROW, 0.5 / len(labels))
-    for i, (label, t) in enumerate(zip(labels, trajectories, strict=True)):
-        axes.plot([0.06, 0.15], [y, y], color=colour(i), linewidth=3.0)
-        _text(axes, 0.18, y, label, fontweight="bold")
-        _text(axes, 0.42, y, f"{t.duration:.1f} s", ha="right" if len(label) < 4 else "left")
-        _text(axes, 0.66, y, f"{1e-3 * t.length:.2f} km", ha="right")
-        y -= step
-    y -= 0.02
-    axes.plot([0.06, 0.15], [y, y], color=FAINT, linewidth=1.6, linestyle=(0, (1, 2)))
-    _text(axes, 0.18, y, "hidden behind a hill")
-    axes.plot([0.06, 0.15], [y - _ROW, y - _ROW], color=INK, linewidth=0.9, alpha=0.6)
-    _text(axes, 0.18, y - _ROW, "ground below the flight")
-    for k, note in enumerate(_notes(scene, trajectories, poses)):
-        _text(axes, 0.06, y - (2.1 + 0.8 * k) * _ROW, note, fontsize=SIZES["small"], color=FAINT)
+@dataclass(frozen=True)
+class ViewLegend:
+    """The flights' lines, durations and lengths, what other signs mean, and what is not to scale.
+
+    Args:
+        blocks: stand side by side where there is room, else one below the other.
+    """
+
+    blocks: Sequence[_Block]
+
+    def height(self, width: float) -> float:
+        """Height [inch] that it needs within a width [inch]."""
+        return 2.0 * PAD + max(_height(column) for column in self._columns(width))
+
+    def draw(self, axes: Axes, width: float, height: float) -> None:
+        """Draw it into axes of a size [inch], from their upper left corner."""
+        axes.set_axis_off()
+        axes.set_xlim(0.0, width)
+        axes.set_ylim(0.0, height)
+        x = PAD
+        for column in self._columns(width):
+            y = height - PAD
+            for block in column:
+                block.draw(axes, x, y)
+                y -= block.height + PAD
+            x += max(block.width for block in column) + 3.0 * PAD
+
+    def _columns(self, width: float) -> list[Sequence[_Block]]:
+        """Blocks by column: as many columns as there is room for."""
+        first, *rest = self.blocks
+        for columns in ([[block] for block in self.blocks], [[first], rest]):
+            wide = [max(block.width for block in column) for column in columns]
+            if sum(wide) + 3.0 * PAD * (len(wide) - 1) + 2.0 * PAD <= width:
+                return list(columns)
+        return [self.blocks]
 
 
-def _notes(scene: Scene, trajectories: Sequence[Trajectory], poses: int) -> list[str]:
+def view_legend(scene: Scene, flights: Sequence[Shown], poses: int) -> ViewLegend:
+    """The legend of flights that have a view, with so many helicopters in each."""
+    return ViewLegend([_entries(flights), _signs(), _notes(scene, flights, poses)])
+
+
+def _height(column: Sequence[_Block]) -> float:
+    return sum(block.height for block in column) + PAD * (len(column) - 1)
+
+
+def _entries(flights: Sequence[Shown]) -> _Block:
+    rows = [
+        (f.label, f"{f.trajectory.duration:.1f} s", f"{1e-3 * f.trajectory.length:.2f} km")
+        for f in flights
+    ]
+    size = SIZES["text"]
+    wide = [max(text_width(row[k], size, bold=k == 0) for row in rows) for k in range(3)]
+    names, durations = TEXT + wide[0], TEXT + wide[0] + PAD + wide[1]
+    width = max(durations, names) + PAD + wide[2]
+
+    def draw(axes: Axes, x: float, y: float) -> None:
+        for k, (flight, (label, duration, length)) in enumerate(zip(flights, rows, strict=True)):
+            line = y - (k + 0.5) * ROW
+            _sample(
+                axes, x, line, color=colour(flight.index), linestyle=dashes(flight.index),
+                linewidth=3.0,
+            )  # fmt: skip
+            _text(axes, x + TEXT, line, label, fontweight="bold")
+            _text(axes, x + durations, line, duration, ha="right")
+            _text(axes, x + width, line, length, ha="right")
+
+    return _Block(width, ROW * len(rows), draw)
+
+
+def _signs() -> _Block:
+    hidden, below, ends = "hidden behind a hill", "ground below the flight", ("start", "goal")
+    width = TEXT + text_width(below, SIZES["text"])
+
+    def draw(axes: Axes, x: float, y: float) -> None:
+        rows = [y - (k + 0.5) * ROW for k in range(3)]
+        _sample(axes, x, rows[0], color=FAINT, linewidth=1.6, linestyle=(0, (1, 2)))
+        _text(axes, x + TEXT, rows[0], hidden)
+        _sample(axes, x, rows[1], color=INK, linewidth=0.9, alpha=0.6)
+        _text(axes, x + TEXT, rows[1], below)
+        for name, mark, size, left in zip(ends, "o*", (9, 15), (0.0, 1.2), strict=True):
+            axes.plot(
+                x + 0.5 * SWATCH + left, rows[2], mark, markersize=size, color=INK,
+                markeredgecolor="white",
+            )  # fmt: skip
+            _text(axes, x + left + (TEXT if left == 0.0 else TEXT - 0.2), rows[2], name)
+
+    return _Block(width, 3.0 * ROW, draw)
+
+
+def _notes(scene: Scene, flights: Sequence[Shown], poses: int) -> _Block:
     (west, south, _), (east, north, _) = scene.box
-    between = np.mean([t.duration for t in trajectories]) / poses
-    return [
+    between = np.mean([flight.trajectory.duration for flight in flights]) / poses
+    notes = [
         f"helicopters: {scene.scale:g} times their size, every {between:.3g} s",
         f"ground: {1e-3 * (east - west):.3g} km from west to east, "
         f"{1e-3 * (north - south):.3g} km from south to north",
         f"heights: drawn {scene.exaggeration:g} times; attitudes are true",
     ]
+    size = SIZES["small"]
+
+    def draw(axes: Axes, x: float, y: float) -> None:
+        for k, note in enumerate(notes):
+            _text(axes, x, y - (k + 0.5) * NOTE, note, fontsize=size, color=FAINT)
+
+    return _Block(max(text_width(note, size) for note in notes), NOTE * len(notes), draw)
+
+
+def _sample(axes: Axes, x: float, y: float, **style: Any) -> None:
+    axes.plot([x, x + SWATCH], [y, y], **style)
 
 
 def _text(axes: Axes, x: float, y: float, text: str, **style: Any) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from enum import Enum
 
-from ompl_risk._arrays import FloatArray
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Outcome(str, Enum):
 
 
 @dataclass(frozen=True, eq=False)
-class Improvement:
+class Improvement(ReadOnlyArrays):
     """A path, improved or as it was.
 
     Args:

@@ -9,13 +9,13 @@ from functools import cached_property
 
 import numpy as np
 
-from ompl_risk._arrays import FloatArray, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, real_number
 from ompl_risk.errors import ArgumentError, NoWayError
 from ompl_risk.planners.roadmap.graph import Way
 
 
 @dataclass(frozen=True, eq=False)
-class ParetoSet:
+class ParetoSet(ReadOnlyArrays):
     """Ways of which none is both as fast and of as little risk as another.
 
     Iterates over its ways; empty, and false, if no way is within the limits.

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -49,9 +50,10 @@ def earliest_arrival(
     as that is free (safe-interval path planning): the arrival is then the earliest on the network,
     up to ``resolution`` for every departure that an obstacle puts off. If it cannot, it leaves
     every place when it arrives there, and the arrival is the earliest up to ``bin``, see
-    ``Passing``. Every stay and every flight is certified free by the clearance, so that nothing
-    slips through between two samples. Stopping and turning take no time; what happens after the
-    arrival is not looked at.
+    ``Passing``: where it would rather wait, that takes longer in proportion to the wait and to
+    1 / bin. Every stay and every flight is certified free by the clearance, so that nothing slips
+    through between two samples. Stopping and turning take no time; what happens after the arrival
+    is not looked at.
 
     Args:
         network: places and the edges between them.
@@ -126,6 +128,9 @@ def arrive_first(
 ) -> Arrival:
     """The same from several starts, each with its own time; arguments are not checked.
 
+    To a vehicle that can wait every way is open that never waits, and its search is far shorter. So
+    that comes first: if it finds no way there is none, and a way without waits is the answer.
+
     Args:
         network: places and edges.
         clearance: d(q, t).
@@ -141,14 +146,22 @@ def arrive_first(
     departures = Departures(
         network, clearance, speed=speed, t0=t0, t1=latest, resolution=resolution
     )
-    search = Search(network, departures, stays, speed=speed, latest=latest)
-    found = search.run(starts, goals, stop)
-    counts = len(search.labels), departures.evaluated
-    if found is None:
+
+    def arrival(stays: Stays) -> Arrival:
+        search = Search(network, departures, stays, speed=speed, latest=latest)
+        found = search.run(starts, goals, stop)
+        counts = len(search.labels), departures.evaluated
+        if found is not None:
+            return Arrival(route_of(search.chain(found), network), "", False, *counts)
         stopped = stop()
         reason = "stopped" if stopped else _reason(search, departures, starts, goals, latest)
         return Arrival(None, reason, stopped, *counts)
-    return Arrival(route_of(search.chain(found), network), "", False, *counts)
+
+    waiting = arrival(Hovering())
+    if isinstance(stays, Hovering) or waiting.route is None or not waiting.route.waits:
+        return waiting
+    found = arrival(stays)
+    return replace(found, labels=waiting.labels + found.labels)
 
 
 def route_of(chain: Sequence[Label], network: Network) -> TimedRoute:

@@ -18,7 +18,7 @@ from ompl_risk.planners.spacetime.earliest import arrive_first, never
 from ompl_risk.planners.spacetime.network import Network
 from ompl_risk.planners.spacetime.route import Arrival, TimedRoute
 from ompl_risk.planners.spacetime.search import Stop
-from ompl_risk.planners.spacetime.stays import Hovering, Stays
+from ompl_risk.planners.spacetime.stays import Stays
 
 FIRST = 250
 """Places sampled for the first network; after that as many as there are."""
@@ -147,31 +147,18 @@ class TimedRoadmap:
         search: int,
         stop: Stop,
     ) -> Arrival:
-        """The way that arrives first; where the vehicle cannot wait, among all that never do.
-
-        To a vehicle that could wait every such way is open too, and its search is far shorter. So
-        if it finds none there is none, and if the way that it finds never waits it is the first.
-        """
-
-        def first(stays: Stays) -> Arrival:
-            found = arrive_first(
-                network,
-                self._clearance,
-                starts,
-                goals,
-                speed=self._speed,
-                latest=latest,
-                stays=stays,
-                stop=stop,
-            )
-            self.evaluated += found.evaluated
-            return found
-
-        stays = self._stays(search)
-        found = first(Hovering())
-        if isinstance(stays, Hovering) or found.route is None or not found.route.waits:
-            return found
-        return first(stays)
+        found = arrive_first(
+            network,
+            self._clearance,
+            starts,
+            goals,
+            speed=self._speed,
+            latest=latest,
+            stays=self._stays(search),
+            stop=stop,
+        )
+        self.evaluated += found.evaluated
+        return found
 
     def improve(self, stop: Stop = never) -> bool:
         """Look for an earlier arrival near the best route: straighter, or past other corners."""

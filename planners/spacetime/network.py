@@ -9,13 +9,13 @@ from numpy.typing import ArrayLike, NDArray
 from scipy.sparse import coo_matrix, csr_matrix
 from scipy.sparse.csgraph import dijkstra
 
-from ompl_risk._arrays import FloatArray, as_floats, readonly
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, as_floats, readonly
 from ompl_risk.errors import ArgumentError
 
 Integers = NDArray[np.int64]
 
 
-class Network:
+class Network(ReadOnlyArrays):
     """Places that a vehicle may fly between, both ways, along straight edges.
 
     Args:

@@ -9,7 +9,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from ompl_risk._arrays import FloatArray
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays
 from ompl_risk.trajectory import Trajectory
 
 NEAR = 1e-3
@@ -31,7 +31,7 @@ class Wait(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class TimedRoute:
+class TimedRoute(ReadOnlyArrays):
     """A way from a start to a goal, straight and at constant speed between its corners.
 
     Attributes:

@@ -171,12 +171,18 @@ class Search:
         self.labels.append(Label(place, landing.time, latest, landing.label, landing.left))
         if place in self._goals:
             return number
-        row = slice(*self._network.first[place : place + 2])
-        arrive = landing.time + self._departures.duration[row]
-        bound = arrive + self._to_go[self._network.target[row]]
-        for k in np.flatnonzero(bound <= self._latest).tolist():
-            self._push(number, row.start + k, landing.time, float(arrive[k]))
+        self._leave(number)
         return None
+
+    def _leave(self, number: int) -> None:
+        """Put in the flights from a label, at once."""
+        here = self.labels[number]
+        row = slice(*self._network.first[here.place : here.place + 2])
+        heads = self._network.target[row]
+        arrive = here.time + self._departures.duration[row]
+        for k in np.flatnonzero(arrive + self._to_go[heads] <= self._latest).tolist():
+            if not self._stays.is_late(int(heads[k]), float(arrive[k])):
+                self._push(number, row.start + k, here.time, float(arrive[k]))
 
     def _push(self, label: int, edge: int, leave: float, arrive: float) -> None:
         """Put a flight in, unless it leaves or arrives too late."""
@@ -217,6 +223,7 @@ class Search:
             flight, key = due[k]
             landing = flight.bound, next(self._order), key, flight.label, flight.leave
             heapq.heappush(self._landings, Landing(*landing, flight.arrive))
+            self._stays.land(key, flight.arrive)
             self._go_on(flight, key)
         blocked = np.flatnonzero(~free)
         waiting = [k for k in blocked.tolist() if self._may_wait(due[k][0])]

@@ -19,6 +19,7 @@ class Stays(ABC):
 
     1. Of two arrivals with the same key the earlier one is followed, the later one forgotten.
     2. ``aim`` never passes over a time at which the vehicle may be there with a key that is new.
+    3. ``is_late`` only of an arrival that would be forgotten, whatever else is found.
 
     Attributes:
         reached: keys of the arrivals that are followed.
@@ -29,6 +30,13 @@ class Stays(ABC):
 
     def prepare(self, departures: Departures, places: Sequence[int]) -> None:  # noqa: B027
         """Find out in one go what is needed to know of several places."""
+
+    def land(self, key: Key, time: float) -> None:  # noqa: B027
+        """Take note that there is a flight that arrives with a key at a time [s]."""
+
+    def is_late(self, place: int, time: float) -> bool:  # noqa: ARG002
+        """Whether an arrival at a time [s] need not be looked at."""
+        return False
 
     @abstractmethod
     def aim(self, departures: Departures, place: int, time: float) -> tuple[Key, float]:
@@ -74,6 +82,15 @@ class Passing(Stays):
     that arrivals are the earliest up to what a finer bin would find, and with a coarse bin a way
     may be missed altogether. Whatever is found is free.
 
+    Where waiting would help, all places that could still be passed in time are arrived at again and
+    again, until the way is open: up to ::
+
+        places * (delay / bin + 1)
+
+    arrivals are followed, against one for each free span of a place if the vehicle can wait. None
+    of them can be left out: an earlier arrival is no better than a later one, and as the crow flies
+    all are equally promising. Flights that cannot be the first in their bin are not certified.
+
     Args:
         bin: length of a bin [s].
     """
@@ -81,12 +98,24 @@ class Passing(Stays):
     def __init__(self, bin: float) -> None:  # noqa: A002
         super().__init__()
         self._bin = bin
+        self._landed: dict[Key, float] = {}
+
+    def land(self, key: Key, time: float) -> None:
+        """Later arrivals in the bin are then late."""
+        self._landed[key] = min(time, self._landed.get(key, math.inf))
+
+    def is_late(self, place: int, time: float) -> bool:
+        """Whether the bin has been reached, or there is a flight that arrives in it before."""
+        key = self._key(place, time)
+        return key in self.reached or time >= self._landed.get(key, math.inf)
 
     def aim(self, departures: Departures, place: int, time: float) -> tuple[Key, float]:  # noqa: ARG002
-        """The time itself, unless its bin has been reached."""
-        key = place, math.floor(time / self._bin)
-        return key, math.inf if key in self.reached else time
+        """The time itself, unless that is late."""
+        return self._key(place, time), math.inf if self.is_late(place, time) else time
 
     def latest(self, departures: Departures, key: Key, time: float) -> float:  # noqa: ARG002
         """At once."""
         return time
+
+    def _key(self, place: int, time: float) -> Key:
+        return place, math.floor(time / self._bin)

@@ -18,6 +18,11 @@ def answer(seed, number, places):
     }  # fmt: skip
 
 
+def refused(*_, **__):
+    """A part of the procedure that goes wrong."""
+    raise RuntimeError("no wind")
+
+
 def die_once(folder, seed, number, places):
     """Pair 1 kills its process when it is first done; others note that they were done."""
     if number == 1 and not (folder / "died").exists():

@@ -7,6 +7,7 @@ import math
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 from dataclasses import dataclass
 from types import MappingProxyType
 
@@ -174,6 +175,26 @@ def test_the_exit_code_is_that_of_correctness(fake, capsys, metric: Metric, code
     assert ("targets not met: slow" in captured.out) == (metric is SLOW)
     assert ("figures that are wrong: off" in captured.out) == (metric is WRONG)
     assert "fake: at it" in captured.err
+
+
+def test_one_notice_of_compilation_covers_all_benchmarks(monkeypatch):
+    happened = []
+
+    @contextmanager
+    def announced(console):
+        happened.append("listens" if console.stderr else "would disturb the tables")
+        yield
+        happened.append("stops")
+
+    def measure(config, seed, say):
+        happened.append("measures")
+        yield GOOD
+
+    monkeypatch.setattr("benchmarks.running.compilation_announced", announced)
+    both = dict.fromkeys(("one", "two"), Benchmark(measure, Settings(2), Settings(1)))
+    monkeypatch.setattr(command, "BENCHMARKS", both)
+    assert command.main([]) == 0
+    assert happened == ["listens", "measures", "measures", "stops"]
 
 
 def test_options_reach_the_benchmarks(fake, tmp_path):

@@ -20,11 +20,11 @@ from benchmarks.campaign.figures.matrix import ratios
 from benchmarks.campaign.figures.pareto import front
 from benchmarks.campaign.metrics import METRICS
 from benchmarks.campaign.ompl_log import RISK, SAMPLES, progress, write_logs
-from benchmarks.campaign.progress import clock
 from benchmarks.campaign.report import markdown, notes
 from benchmarks.campaign.summary import standings, summary_rows, verdicts
 from benchmarks.campaign.table import curve_rows, row, write_csv, write_parquet
 from benchmarks.metric import Spread
+from benchmarks.progress import clock
 from ompl_risk.errors import FileError
 
 NOTHING = {"status": "no path", "metrics": {}, "curve": [], "cost": None, "length": None}

@@ -1,11 +1,6 @@
 """``python -m benchmarks evidence``: it repeats nothing, loses nothing and says what it does."""
 
 import re
-import signal
-import subprocess
-import sys
-import time
-from pathlib import Path
 
 import pytest
 from evidence_work import COMPLETE, done
@@ -14,11 +9,9 @@ from benchmarks import __main__ as command
 from benchmarks import working
 from benchmarks.evidence import analysis, cli
 from benchmarks.evidence.engines import ClusterLostError, Dask, Lost
-from benchmarks.evidence.settings import ROLLOUTS, Settings
-from benchmarks.evidence.store import NAME, compact, keep, kept, path_of
+from benchmarks.evidence.settings import Settings
+from benchmarks.evidence.store import NAME, UNITS, compact, keep, kept
 from benchmarks.evidence.unit import failed
-
-ROOT = Path(__file__).parents[2]
 
 
 @pytest.fixture
@@ -69,14 +62,14 @@ def test_a_failed_unit_does_not_stop_the_others(tmp_path, asked, reports, capsys
 
 def test_nothing_is_repeated(tmp_path, asked, capsys):
     assert run(tmp_path, "--units", "3") == 1
-    before = path_of(tmp_path, 0).read_bytes()
+    before = UNITS.path(tmp_path, 0).read_bytes()
     assert run(tmp_path, "--units", "3") == 1  # it is done, if not well
     assert run(tmp_path, "--units", "3", "--retry-failed") == 1
     assert asked == [0, 1, 2, 2]
     assert run(tmp_path, "--units", "4") == 1
     assert asked == [0, 1, 2, 2, 3]
     assert run(tmp_path, "--units", "2") == 0
-    assert path_of(tmp_path, 0).read_bytes() == before
+    assert UNITS.path(tmp_path, 0).read_bytes() == before
     assert len((tmp_path / "sessions.jsonl").read_text().splitlines()) == 5
     assert "3 of 4 units were done before" in capsys.readouterr().err
 
@@ -90,7 +83,7 @@ def test_a_failed_unit_can_get_well(tmp_path, asked, monkeypatch):
 
 def test_a_damaged_unit_is_told_and_done_again(tmp_path, asked, capsys):
     run(tmp_path, "--units", "2")
-    path_of(tmp_path, 1).write_bytes(b"PAR1")
+    UNITS.path(tmp_path, 1).write_bytes(b"PAR1")
     assert run(tmp_path, "--units", "2") == 0
     assert asked == [0, 1, 1]
     err = capsys.readouterr().err
@@ -130,11 +123,11 @@ def test_workers_that_are_gone_end_it_with_a_message(
 
 def test_units_of_another_procedure_are_refused(tmp_path, asked, capsys):
     run(tmp_path, "--units", "1")
-    before = path_of(tmp_path, 0).read_bytes()
+    before = UNITS.path(tmp_path, 0).read_bytes()
     for options in (["--seed", "1"], ["--rollouts", "8"], ["--rollouts", "8", "--report-only"]):
         assert run(tmp_path, "--units", "1", *options) == 2
         assert "another folder, as this one holds units of another" in capsys.readouterr().err
-    assert path_of(tmp_path, 0).read_bytes() == before
+    assert UNITS.path(tmp_path, 0).read_bytes() == before
     assert asked == [0]
     assert len((tmp_path / "sessions.jsonl").read_text().splitlines()) == 1
 
@@ -177,102 +170,6 @@ def test_there_is_no_report_without_a_complete_unit(tmp_path, asked, reports, mo
 def test_quick_is_small_and_has_its_own_folder(tmp_path, asked, monkeypatch):
     monkeypatch.chdir(tmp_path)
     assert command.main(["evidence", "--quick", "--workers", "1"]) == 1
-    assert asked == list(range(cli.QUICK))
-    found = kept(tmp_path / "runs" / "evidence-quick", Settings(rollouts=cli.QUICK_ROLLOUTS))
+    assert asked == list(range(10))
+    found = kept(tmp_path / "runs" / "evidence-quick", Settings(rollouts=100))
     assert list(found) == asked
-
-
-@pytest.mark.parametrize(
-    ("options", "message"),
-    [
-        (["--units", "0"], "must be a whole number of at least 1"),
-        (["--units", "1.5"], "must be a whole number of at least 1"),
-        (["--rollouts", "-3"], "must be a whole number of at least 1"),
-        (["--workers", "none"], "must be a whole number of at least 1"),
-        (["--seed", "-1"], "argument --seed: -1: must be 0 or more"),
-        (["--engine", "ray"], "invalid choice: 'ray'"),
-        (["--scheduler", "tcp://a:1"], "argument --scheduler: tcp://a:1: only with --engine dask"),
-        (["--terrain", "hills"], "unrecognized arguments"),
-    ],
-)
-def test_wrong_use_is_refused(tmp_path, asked, capsys, options, message):
-    with pytest.raises(SystemExit) as refusal:
-        run(tmp_path / "a", *options)
-    assert refusal.value.code == 2
-    assert message in capsys.readouterr().err
-    assert not (tmp_path / "a").exists()
-
-
-def test_a_file_is_no_folder(tmp_path, asked, capsys):
-    (tmp_path / "thesis.tex").write_text("x")
-    assert run(tmp_path / "thesis.tex", "--units", "1") == 2
-    assert "thesis.tex" in capsys.readouterr().err
-    assert (tmp_path / "thesis.tex").read_text() == "x"
-    assert asked == []
-
-
-def test_help_names_every_option(capsys):
-    with pytest.raises(SystemExit) as ending:
-        command.main(["evidence", "--help"])
-    assert ending.value.code == 0
-    text = " ".join(capsys.readouterr().out.split())
-    for option in (
-        "units", "quick", "seed", "rollouts", "workers", "engine", "scheduler", "output",
-        "retry-failed", "report-only",
-    ):  # fmt: skip
-        assert f" --{option} " in text
-    assert f"of each flight in each level ({ROLLOUTS};" in text
-
-
-def start(folder, *options):
-    line = [sys.executable, str(Path(__file__).with_name("evidence_work.py"))]
-    return subprocess.Popen(
-        [*line, "--units", "14", "--workers", "1", "--output", str(folder), *options],
-        cwd=ROOT, env={"PYTHONPATH": str(ROOT), "PATH": ""},
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
-    )  # fmt: skip
-
-
-def wait_for_units(process, folder, count):
-    while process.poll() is None:
-        if len(list(folder.glob("units/*.parquet"))) >= count:
-            return
-        time.sleep(0.005)
-    pytest.fail(f"it ended by itself: {process.communicate()}")
-
-
-def contents(folder):
-    return {path.name: path.read_bytes() for path in folder.glob("units/*.parquet")}
-
-
-def test_killed_interrupted_and_started_again(tmp_path):
-    """It repeats nothing and loses nothing."""
-    killed = start(tmp_path)
-    wait_for_units(killed, tmp_path, 2)
-    killed.kill()
-    killed.communicate()
-    first = contents(tmp_path)
-
-    interrupted = start(tmp_path)
-    wait_for_units(interrupted, tmp_path, len(first) + 2)
-    interrupted.send_signal(signal.SIGINT)
-    _, told = interrupted.communicate(timeout=60)
-    assert interrupted.returncode == 130, told
-    assert "stopped; every finished unit is kept, and the same command goes on from here" in told
-    assert "Traceback" not in told
-    second = contents(tmp_path)
-    assert len(second) < 14
-    assert first.items() <= second.items()
-
-    last = start(tmp_path)
-    out, told = last.communicate(timeout=120)
-    assert last.returncode == 1, told  # unit 3 fails
-    lines = told.splitlines()
-    assert lines[0] == f"{len(second)} of 14 units were done before"
-    finished = [re.match(r"(\d+)/14  \d+:\d\d left  unit ", line) for line in lines]
-    assert [int(one[1]) for one in finished if one] == list(range(len(second) + 1, 15))
-    assert "14 units: 1 complete, 1 failed, 12 few" in lines
-    assert out.endswith("reported\n")
-    whole = contents(tmp_path)
-    assert second.items() <= whole.items()
-    assert sorted(whole) == [f"{unit:05d}.parquet" for unit in range(14)]

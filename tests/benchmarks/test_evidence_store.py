@@ -1,7 +1,5 @@
 """Units are kept whatever happens, and what is no result of theirs is noticed."""
 
-from pathlib import Path
-
 import numpy as np
 import pyarrow as pa
 import pyarrow.parquet as pq
@@ -12,7 +10,7 @@ from hypothesis import strategies as st
 
 from benchmarks.evidence import procedure, schema, store
 from benchmarks.evidence.settings import Settings, flat
-from benchmarks.evidence.store import NAME, Kept, compact, keep, kept, path_of, read
+from benchmarks.evidence.store import NAME, UNITS, Kept, compact, keep, kept, read
 from benchmarks.evidence.unit import failed
 from ompl_risk.errors import ArgumentError, FileError
 
@@ -49,32 +47,6 @@ def test_a_failed_unit_says_where_it_was_as_far_as_that_is_known():
     assert (row["d"], row["calm_hits"], row["start"]) == (None, None, None)
 
 
-def test_a_file_is_there_whole_or_not_at_all(tmp_path, monkeypatch):
-    keep(tmp_path, done(SETTINGS, 0))
-    opened = Path.open
-
-    class Torn:
-        def __init__(self, file):
-            self.file = file
-
-        def __enter__(self):
-            return self
-
-        def __exit__(self, *_):
-            self.file.close()
-
-        def write(self, content):
-            self.file.write(content[:100])
-            raise KeyboardInterrupt
-
-    monkeypatch.setattr(Path, "open", lambda path, *a, **k: Torn(opened(path, *a, **k)))
-    for unit in (0, 1):
-        with pytest.raises(KeyboardInterrupt):
-            keep(tmp_path, done(SETTINGS, unit, reason="other"))
-    monkeypatch.undo()
-    assert kept(tmp_path, SETTINGS, say=pytest.fail) == {0: Kept("few", "3 flights", "c0de")}
-
-
 def damaged(content, how):
     """The bytes of a unit's file, wrong in some way."""
     if how == "flipped":  # within the data: the footer is whole
@@ -96,7 +68,7 @@ def test_a_damaged_file_counts_as_not_done(tmp_path, how, monkeypatch):
         monkeypatch.setattr(schema, "COMPRESSION", "none")
     for unit in range(3):
         keep(tmp_path, done(SETTINGS, unit))
-    path = path_of(tmp_path, 1)
+    path = UNITS.path(tmp_path, 1)
     path.write_bytes(damaged(path.read_bytes(), how))
     said = []
     assert list(kept(tmp_path, SETTINGS, say=said.append)) == [0, 2]
@@ -110,7 +82,7 @@ def test_a_damaged_file_counts_as_not_done(tmp_path, how, monkeypatch):
 @pytest.mark.parametrize("column", ["unit", "d", "severe_bits"])
 def test_a_file_without_a_column_counts_as_not_done(tmp_path, column):
     keep(tmp_path, done(SETTINGS, 0))
-    path = path_of(tmp_path, 0)
+    path = UNITS.path(tmp_path, 0)
     path.write_bytes(without(path.read_bytes(), column))
     said = []
     assert kept(tmp_path, SETTINGS, say=said.append) == {}
@@ -119,7 +91,7 @@ def test_a_file_without_a_column_counts_as_not_done(tmp_path, column):
 
 def test_a_unit_under_anothers_name_counts_as_not_done(tmp_path):
     keep(tmp_path, done(SETTINGS, 4))
-    path_of(tmp_path, 4).rename(path_of(tmp_path, 5))
+    UNITS.path(tmp_path, 4).rename(UNITS.path(tmp_path, 5))
     said = []
     assert kept(tmp_path, SETTINGS, say=said.append) == {}
     assert "of unit 4" in said[0]
@@ -127,15 +99,15 @@ def test_a_unit_under_anothers_name_counts_as_not_done(tmp_path):
 
 def test_a_parquet_of_something_else_counts_as_not_done(tmp_path):
     keep(tmp_path, done(SETTINGS, 0))
-    table = schema.read(path_of(tmp_path, 0)).replace_schema_metadata(None)
-    pq.write_table(table, path_of(tmp_path, 0))
+    table = schema.read(UNITS.path(tmp_path, 0)).replace_schema_metadata(None)
+    pq.write_table(table, UNITS.path(tmp_path, 0))
     with pytest.raises(ValueError, match="without code, procedure, processor"):
         read(tmp_path, 0)
 
 
 def test_units_of_another_seed_or_procedure_are_refused(tmp_path, monkeypatch):
     keep(tmp_path, done(SETTINGS, 0))
-    before = path_of(tmp_path, 0).read_bytes()
+    before = UNITS.path(tmp_path, 0).read_bytes()
     for other, what in [
         (Settings(1, 16, 60), "seed: 0 there, 1 here"),
         (Settings(0, 17, 60), "rollouts: 16 there, 17 here"),
@@ -148,7 +120,7 @@ def test_units_of_another_seed_or_procedure_are_refused(tmp_path, monkeypatch):
     monkeypatch.setattr(procedure, "EXCESS", 0.1)
     with pytest.raises(ArgumentError, match=r"excess: 0\.05 there, 0\.1 here\)"):
         kept(tmp_path, SETTINGS)
-    assert path_of(tmp_path, 0).read_bytes() == before
+    assert UNITS.path(tmp_path, 0).read_bytes() == before
 
 
 @pytest.mark.parametrize("name", ["LEAST", "FARTHEST", "STEP", "SEPARATION", "LEVELS", "__doc__"])

@@ -7,6 +7,7 @@ from ompl import geometric as og
 from ompl import util as ou
 
 from ompl_risk import ClearanceMotionValidator, ClearanceValidityChecker, TerrainClearance
+from ompl_risk.bridge import guarded, guards
 from ompl_risk.terrains import Terrain
 
 ou.setLogLevel(ou.LOG_NONE)
@@ -58,3 +59,14 @@ def after():
         return ob.PlannerTerminationCondition(lambda: next(count, None) is None)
 
     return condition
+
+
+@pytest.fixture
+def guards_in_place(monkeypatch):
+    """The guards in place, with nothing warned about yet, and afterwards as they were."""
+    monkeypatch.delenv(guards.SWITCH, raising=False)
+    before = guards.installed()
+    guards.install()
+    guarded.forget_warnings()
+    yield
+    guards.install() if before else guards.remove()

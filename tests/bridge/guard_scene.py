@@ -9,11 +9,14 @@ from pathlib import Path
 
 from ompl import base as ob
 from ompl import geometric as og
+from ompl import tools as ot
 from ompl import util as ou
 
 from ompl_risk.bridge import faults
 
 ou.setLogLevel(ou.LOG_NONE)
+
+OMPL_LENGTH = ob.PathLengthOptimizationObjective
 
 
 class Length(ob.OptimizationObjective):
@@ -158,3 +161,17 @@ def finish(process):
 
 def run(body, **options):
     return finish(start(body, **options))
+
+
+def at_the_first_solution(simple):
+    """The set-up, content with any path: how long planning takes depends on the machine."""
+    simple.getOptimizationObjective().setCostThreshold(ob.Cost(1e9))
+    return simple
+
+
+def benchmark(objective, *planners, runs=1, simplify=False):
+    simple = setup(objective)
+    bench = ot.Benchmark(simple, "test")
+    for planner in planners:
+        bench.addPlanner(planner(simple.getSpaceInformation()))
+    return bench, ot.Request(0.1, 4096.0, runs, 0.05, False, False, simplify)

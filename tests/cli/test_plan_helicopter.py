@@ -68,6 +68,16 @@ def test_trajectories_have_attitude_velocity_and_inputs(flown):
         np.testing.assert_allclose(steps, between, atol=0.5)
 
 
+def test_flights_rank_as_they_were_planned(flown, wall_file, tmp_path):
+    judged = ["--d0", "80", "--uncertainty", "70", "--duration-tolerance", "0.3"]
+    kinds = {"flights": "*.npz", "trajectories": "*.csv"}
+    for folder, pattern in kinds.items():
+        files = [str(file) for file in sorted((flown / folder).glob(pattern), reverse=True)]
+        out = tmp_path / folder
+        assert main(["rank", wall_file, *files, *judged, "--output", str(out)]) == 0
+        assert read_ranking(out) == read_ranking(flown), folder
+
+
 def test_durations_are_equal_within_the_tolerance(flown):
     durations = [t["duration"] for t in read_ranking(flown)["trajectories"]]
     assert max(durations) <= 1.301 * min(durations)

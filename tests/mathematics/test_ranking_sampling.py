@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.integrate import quad
 
-from ompl_risk.avoidance import InverseDistance
+from ompl_risk.avoidance import FlatCap, GaussianTail, InverseDistance
 from ompl_risk.errors import ArgumentError
 from ompl_risk.norms import Lp, Sobolev
 from ompl_risk.ranking import rank
@@ -53,6 +53,78 @@ def test_two_corners_are_enough(offset):
     for label, value in exact(offset).items():
         assert found.norms[label] == pytest.approx(value, rel=1.5e-3), label
     assert found.min_clearance == pytest.approx(offset, rel=2e-3)
+
+
+BOUNDED = [FlatCap(100.0), FlatCap(30.0), GaussianTail(25.0), GaussianTail(3.0)]
+
+
+def integrals(avoidance, offset):
+    """Norms of a function along that line, by adaptive quadrature over s = speed * time."""
+    reach = math.sqrt(avoidance.d0**2 - offset**2)
+
+    def f(s):
+        return float(avoidance(math.hypot(s, offset)))
+
+    def slope(s):
+        d = math.hypot(s, offset)
+        return float(avoidance.derivative(d)) * s / d * SPEED
+
+    def integral(g):
+        ends = [0.0, min(10.0 * offset, 0.5 * reach), reach]
+        parts = [quad(g, *ends[k : k + 2], epsabs=0, epsrel=1e-10)[0] for k in range(2)]
+        return 2 * sum(parts) / SPEED
+
+    l2, dot = integral(lambda s: f(s) ** 2), integral(lambda s: slope(s) ** 2)
+    values = [integral(f), l2**0.5, f(0.0), (l2 + dot) ** 0.5, (l2 + 0.01 * dot) ** 0.5]
+    return dict(zip([norm.label for norm in NORMS], values, strict=True))
+
+
+@pytest.mark.parametrize("avoidance", BOUNDED, ids=str)
+@pytest.mark.parametrize("share", [1e-3, 0.01, 0.03, 0.07, 0.12, 0.3, 0.6])
+def test_norms_of_bounded_functions_are_as_exact_as_promised(avoidance, share):
+    offset = share * avoidance.d0
+    expected = integrals(avoidance, offset)
+    for phase in (0.0, 0.31, 0.77):
+        x = [[-2.0 * avoidance.d0 - phase, offset, 0.0], [2.0 * avoidance.d0, offset, 0.0]]
+        found = rank([Trajectory.at_constant_speed(x, SPEED, "A")], to_point, avoidance, NORMS)["A"]
+        for label, value in expected.items():
+            assert found.norms[label] == pytest.approx(value, rel=1e-3), label
+        assert 1.0 - 1e-9 <= found.min_clearance / offset <= 1.01
+
+
+class Suspect(FlatCap):
+    """The same function, without its word that it is bounded."""
+
+    steady = None
+
+
+@pytest.mark.parametrize("height", [0.3, 1.1, 4.1, 30.0])
+def test_near_the_ground_a_bounded_function_takes_fewer_samples(height):
+    level = Trajectory.at_constant_speed([[0, 0, height], [300, 0, height]], SPEED, "A")
+
+    def samples(avoidance):
+        return len(rank([level], lambda x: x[:, 2], avoidance)["A"].d) - 1
+
+    bounded, pole = samples(FlatCap(100.0)), samples(Suspect(100.0))
+    assert samples(InverseDistance(100.0)) == pole
+    step = min(2.0, max(0.1 * max(height, 0.1), min(0.25 * height, 2.5)))
+    assert bounded == 150 * math.ceil(2.0 / step * (1 - 1e-9))
+    assert pole == 150 * math.ceil(2.0 / min(2.0, 0.1 * max(height, 0.1)) * (1 - 1e-9))
+
+
+@pytest.mark.parametrize("avoidance", [FlatCap(100.0), GaussianTail(1.0, d0=100.0)], ids=str)
+@pytest.mark.parametrize("end", [-0.001, -0.03, -1.0, -20.0])
+def test_steps_towards_an_obstacle_stay_below_a_quarter_of_the_distance(avoidance, end):
+    head_on = Trajectory.at_constant_speed([[-300, 0, 0], [end, 0, 0]], SPEED, "A")
+    found = rank([head_on], to_point, avoidance)["A"]
+    dense = rank([head_on], to_point, InverseDistance(100.0))["A"]
+    steps, near = found.trajectory.steps, np.minimum(found.d[:-1], found.d[1:])
+    allowed = np.maximum(
+        0.1 * np.maximum(near, D0 / 1000), np.minimum(0.25 * near, 0.05 * avoidance.steady)
+    )
+    within = (near < D0) & ((found.d[:-1] < D0) == (found.d[1:] < D0))
+    assert (steps <= np.minimum(np.where(within, allowed, D0), D0 / 50) * (1 + 1e-6)).all()
+    assert len(found.d) <= len(dense.d)  # never more than for a pole
 
 
 def test_norms_converge_with_the_square_of_the_step():

@@ -166,6 +166,7 @@ def test_rounding_beyond_the_limit_loses_no_way():
         edge=np.arange(3, dtype=np.int32),
         risk=np.array([0.2, 2.0, 2.7]),
         duration=np.array([0.0, 0.1, 0.0]),
+        undirected=False,
     )
     for precision in (0.0, 0.5):
         (way,) = pareto_set(graph, 0, 2, riskiest=2.9, precision=precision)

@@ -7,8 +7,8 @@ import pytest
 
 from ompl_risk.errors import FileError
 from ompl_risk.report import ranking_figure
+from ompl_risk.report.map_labels import label_points
 from ompl_risk.report.norm_tables import NormTable
-from ompl_risk.report.plan_view import label_points
 from ompl_risk.report.style import RISKIEST, SAFEST, colour, short
 
 D0 = 60.0

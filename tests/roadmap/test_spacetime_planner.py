@@ -7,77 +7,22 @@ import numpy as np
 import pytest
 from ompl import base as ob
 from ompl import geometric as og
+from timed_scene import END, FASTEST, Scene, door
 
-from ompl_risk.bridge import ClearanceMotionValidator, ClearanceValidityChecker, RiskObjective
 from ompl_risk.clearance.moving.clearance import MovingClearance
 from ompl_risk.clearance.moving.obstacles import MovingBox, MovingSphere
 from ompl_risk.clearance.terrain import TerrainClearance
 from ompl_risk.errors import ArgumentError
-from ompl_risk.motion import Risk, motion_batch
-from ompl_risk.motion.steering import Connection, Steering
-from ompl_risk.planners.roadmap.planner import RiskRoadmap
 from ompl_risk.planners.roadmap.region import Region
 from ompl_risk.planners.spacetime.growing import LIMIT, TimedRoadmap
 from ompl_risk.planners.spacetime.stays import Hovering
 from ompl_risk.terrains import Terrain
-from ompl_risk.trajectory import Trajectory
-
-FASTEST, ROOM, END = 10.0, 100.0, 60.0
-
-
-def door(opens=20.0, rise=25.0):
-    """A wall across the room, from x = 45 to 55, that rises from a time on until it is gone."""
-    up = 150.0 + 10.0 * rise
-    t = [0.0, opens, opens + 10.0, opens + 100.0]
-    return MovingBox([10, 300, 300], t, [[50, 50, z] for z in (140.0, 140.0, up, up)])
 
 
 def pendulum():
     """A ball that sweeps the wall's only gap."""
     t = np.arange(0.0, 61.0, 4.0)
     return MovingSphere(8.0, t, [[50, 50 + 30 * (-1) ** k, 50] for k in range(len(t))])
-
-
-class Scene:
-    """A SimpleSetup in a room of 100 m with a RiskRoadmap."""
-
-    def __init__(self, clearance=None, *, end=END, motions=True, checker=True, **options):
-        self.clearance = clearance or MovingClearance(door(), radius=1.0)
-        place = ob.RealVectorStateSpace(3)
-        place.setBounds(0.0, ROOM)
-        self.space = ob.SpaceTimeStateSpace(place, FASTEST)
-        if end is not None:
-            self.space.setTimeBounds(0.0, end)
-        self.setup = og.SimpleSetup(self.space)
-        self.si = self.setup.getSpaceInformation()
-        if checker:
-            self.setup.setStateValidityChecker(ClearanceValidityChecker(self.si, self.clearance))
-        if motions:
-            self.si.setMotionValidator(ClearanceMotionValidator(self.si, self.clearance))
-        self.planner = RiskRoadmap(self.si, **options)
-        self.setup.setPlanner(self.planner)
-        self.between((10, 50, 50, 0), (90, 50, 50, 0))
-
-    def state(self, numbers):
-        state = self.si.allocState()
-        state[0][0:3] = [float(x) for x in numbers[:3]]
-        state[1].position = float(numbers[3])
-        return state
-
-    def between(self, start, goal):
-        self.setup.setStartAndGoalStates(self.state(start), self.state(goal))
-        return self
-
-    def solve(self, condition=20.0):
-        return self.setup.solve(condition)
-
-    @property
-    def path(self):
-        return self.setup.getProblemDefinition().getSolutionPath()
-
-    @property
-    def flown(self):
-        return Trajectory.from_path(self.path)
 
 
 def is_exact(status):
@@ -297,154 +242,6 @@ def test_a_network_that_is_large_enough_begins_anew_with_the_best_route():
     assert all(p in made.places.tolist() for p in before.positions.tolist())
     made.search()
     assert made.best.arrival <= before.arrival
-
-
-class TestChecker:
-    def test_reads_the_time_of_a_state(self):
-        scene = Scene()
-        checker = scene.si.getStateValidityChecker()
-        inside = (50, 50, 50)
-        assert not checker.isValid(scene.state((*inside, 0)))
-        assert checker.isValid(scene.state((*inside, 29)))
-        want = scene.clearance([inside], [25.0])[0]
-        assert checker.clearance(scene.state((*inside, 25))) == want
-
-    def test_motions_take_their_time(self):
-        scene = Scene()
-        a, b = (10, 50, 50, 0), (20, 50, 50, 1)
-
-        def check(p, q):
-            return scene.si.checkMotion(scene.state(p), scene.state(q))
-
-        assert check(a, b)
-        assert check(a, a)
-        assert not check(b, a)  # backwards in time
-        assert not check(a, (20, 50, 50, 0.99))  # faster than the space says
-        assert check(a, (20, 50, 50, 30))
-        assert not check(a, (20, 50, 50, 0))
-
-    def test_motions_are_checked_at_their_own_time(self):
-        scene = Scene()
-
-        def check(p, q):
-            return scene.si.checkMotion(scene.state(p), scene.state(q))
-
-        assert not check((40, 50, 50, 0), (60, 50, 50, 2))
-        assert check((40, 50, 50, 27), (60, 50, 50, 29))
-        assert not check((40, 50, 50, 10), (60, 50, 50, 40))  # too early at the door, slowly
-        ball = MovingClearance(MovingSphere(1e-3, [0, 1], [[50, 0, 50], [50, 1e5, 50]]))
-        scene = Scene(ball)
-        assert not check((50, 50, 50, 0), (50, 50, 50, 1))  # swept while it stays
-        assert check((50, 50, 50, 0.01), (50, 50, 50, 1))
-
-    def test_obstacles_that_stand_still_will_do(self):
-        flat = TerrainClearance(Terrain(np.zeros((11, 11)), spacing=(10.0, 10.0)), 1.0)
-        scene = Scene(flat)
-        assert scene.si.checkMotion(scene.state((10, 50, 5, 0)), scene.state((20, 50, 5, 9)))
-        assert not scene.si.checkMotion(scene.state((10, 50, 5, 9)), scene.state((20, 50, 5, 0)))
-        assert not scene.si.isValid(scene.state((10, 50, 0.5, 0)))
-        with pytest.raises(ArgumentError, match="MovingClearance"):
-            scene.solve()
-
-    def test_paths_with_times_are_trajectories(self):
-        scene = Scene()
-        scene.setup.setup()
-        path = og.PathGeometric(scene.si)
-        rows = [(1, 2, 3, 4), (1, 2, 3, 4), (1, 2, 3, 9), (11, 2, 3, 10)]
-        for row in rows:
-            path.append(scene.state(row))
-        flown = Trajectory.from_path(path, name="B")
-        assert flown.t.tolist() == [4, 9, 10]
-        assert flown.positions.tolist() == [list(row[:3]) for row in rows[1:]]
-        with pytest.raises(ArgumentError, match="carry their times"):
-            Trajectory.from_path(path, speed=3.0)
-
-
-class ElsewhereSteering(Steering):
-    def connect(self, a, b):
-        return Connection(np.stack([a, b]), 1.0)
-
-
-class TestWrongUse:
-    @pytest.mark.parametrize("kind", [ClearanceValidityChecker, ClearanceMotionValidator])
-    def test_a_space_without_time(self, kind):
-        place = ob.RealVectorStateSpace(3)
-        place.setBounds(0.0, ROOM)
-        clearance = MovingClearance(door())
-        with pytest.raises(ArgumentError, match=r"RealVector.*SpaceTimeStateSpace"):
-            kind(ob.SpaceInformation(place), clearance)
-
-    def test_an_objective_without_time(self):
-        place = ob.RealVectorStateSpace(3)
-        place.setBounds(0.0, ROOM)
-        with pytest.raises(ArgumentError, match=r"SpaceTimeStateSpace.*rank"):
-            RiskObjective(ob.SpaceInformation(place), MovingClearance(door()), speed=1.0)
-        with pytest.raises(ArgumentError, match="without an objective"):
-            RiskObjective(Scene().si, MovingClearance(door()), speed=1.0)
-        with pytest.raises(ArgumentError, match="stands still"):
-            motion_batch(MovingClearance(door()), Risk(speed=1.0))
-
-    def test_space_time_over_something_else(self):
-        space = ob.SpaceTimeStateSpace(ob.RealVectorStateSpace(2), 1.0)
-        with pytest.raises(ArgumentError, match="RealVectorStateSpace"):
-            RiskRoadmap(ob.SpaceInformation(space))
-        with pytest.raises(ArgumentError, match="SE3StateSpace"):
-            RiskRoadmap(ob.SpaceInformation(ob.SpaceTimeStateSpace(ob.SE3StateSpace(), 1.0)))
-
-    def test_no_bounds_in_time(self):
-        with pytest.raises(ArgumentError, match="setTimeBounds"):
-            Scene(end=None).solve()
-
-    def test_an_objective(self):
-        scene = Scene()
-        scene.setup.setOptimizationObjective(ob.PathLengthOptimizationObjective(scene.si))
-        with pytest.raises(ArgumentError, match=r"objective.*left out"):
-            scene.solve()
-
-    def test_a_checker_of_somebody_else(self):
-        scene = Scene(checker=False, motions=False)
-        scene.setup.setStateValidityChecker(lambda _state: True)
-        with pytest.raises(ArgumentError, match="ClearanceValidityChecker"):
-            scene.solve()
-
-    def test_a_validator_of_another_clearance(self):
-        scene = Scene()
-        other = MovingClearance(door(), radius=2.0)
-        scene.si.setMotionValidator(ClearanceMotionValidator(scene.si, other))
-        with pytest.raises(ArgumentError, match="clearance of the validity checker"):
-            scene.solve()
-
-    def test_a_steering(self):
-        with pytest.raises(ArgumentError, match="steering"):
-            Scene(steering=ElsewhereSteering())
-
-    def test_a_start_in_the_door(self):
-        scene = Scene().between((50, 50, 50, 0), (90, 50, 50, 0))
-        assert scene.solve().asString() == "Invalid start"
-        assert "free at its time" in scene.planner.reason
-
-    def test_a_goal_out_of_the_room(self):
-        scene = Scene().between((10, 50, 50, 0), (90, 50, 500, 0))
-        assert scene.solve().asString() == "Invalid goal"
-        assert "within the bounds" in scene.planner.reason
-
-    def test_what_needs_a_roadmap_of_risk(self):
-        scene = Scene(iterations=150)
-        scene.solve()
-        for wrong in (scene.planner.alternatives, scene.planner.pareto):
-            with pytest.raises(ArgumentError, match="space-time"):
-                wrong()
-
-    def test_a_goal_farther_than_flight_can_come(self):
-        scene = Scene(end=7.9)
-        assert scene.solve().asString() == "Invalid goal"
-        assert "straight flight at vMax = 10 m/s arrives at t = 8 s" in scene.planner.reason
-
-    def test_a_goal_that_is_never_free(self):
-        flat = TerrainClearance(Terrain(np.full((11, 11), 20.0), spacing=(10.0, 10.0)), 1.0)
-        scene = Scene(MovingClearance(door(), static=flat)).between((10, 50, 50, 0), (90, 50, 9, 0))
-        assert scene.solve().asString() == "Invalid goal"
-        assert scene.planner.reason == "the goal is never free until t = 60 s"
 
 
 def test_a_path_of_another_planner_that_arrives_earlier_stays():

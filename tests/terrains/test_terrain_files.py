@@ -1,19 +1,16 @@
+"""Terrain read from GeoTIFF, SRTM and ASCII grids: rows, registration, voids, units and windows."""
+
 import warnings
 
 import numpy as np
 import pytest
 import rasterio
 from rasterio.transform import Affine, from_origin
+from written_posts import HEIGHTS, NX, NY, SOUTH, STEP, UTM, WEST, same
 
 from ompl_risk import terrains
 from ompl_risk.errors import ArgumentError, FileError, TerrainError, VoidError
-from ompl_risk.terrains import Terrain
 from ompl_risk.terrains.georeference import metres_per_degree
-
-NY, NX = 6, 8
-HEIGHTS = 100.0 + np.arange(NY * NX, dtype=np.float64).reshape(NY, NX) ** 1.5  # row 0 south
-UTM = "EPSG:32616"
-WEST, SOUTH, STEP = 500_000.0, 4_000_000.0, 30.0  # of the south-west post
 
 
 def write(path, rows, transform, *, crs=UTM, driver="GTiff", unit=None, scale=None, **profile):
@@ -40,12 +37,6 @@ def north_up(x0=WEST, y0=SOUTH, step=STEP, ny=NY):
 @pytest.fixture
 def tif(tmp_path):
     return write(tmp_path / "north_up.tif", HEIGHTS[::-1], north_up())
-
-
-def same(terrain, heights=HEIGHTS, origin=(WEST, SOUTH), spacing=(STEP, STEP)):
-    np.testing.assert_array_equal(terrain.heights, heights)
-    np.testing.assert_allclose(terrain.origin, origin, rtol=1e-12, atol=1e-9)
-    np.testing.assert_allclose(terrain.spacing, spacing, rtol=1e-12)
 
 
 def test_a_projected_file_is_used_as_it_is(tif):
@@ -265,75 +256,6 @@ def test_missing_and_unreadable_files(tmp_path, tif):
         terrains.load(3)
     with pytest.raises(ArgumentError, match="seed"):
         terrains.load(tif, seed=3)
-
-
-def everything(terrain):
-    keys = ("spacing", "origin", "crs", "name", "source", "scale_error", "geo", "extent")
-    return {key: getattr(terrain, key) for key in keys}
-
-
-def test_npz_keeps_everything(tmp_path):
-    path = tmp_path / "terrain.npz"
-    plain = Terrain(HEIGHTS, spacing=(10.0, 20.0), origin=(-5.0, 7.0), name="n", source="s")
-    for terrain in (terrains.load("jacksboro"), plain):
-        terrain.to_npz(path)
-        back = terrains.load(path)
-        np.testing.assert_array_equal(back.heights, terrain.heights)
-        assert everything(back) == everything(terrain)
-    part = terrains.load(path, bounds=(0.0, 30.0, 20.0, 60.0))
-    assert part.extent == (-5.0, 25.0, 27.0, 67.0)
-    for wrong in ({"crs": UTM}, {"band": 2}):
-        with pytest.raises(ArgumentError, match=next(iter(wrong))):
-            terrains.load(path, **wrong)
-    with pytest.raises(ArgumentError, match="npz"):
-        plain.to_npz(tmp_path / "terrain.dat")
-    with pytest.raises(FileError, match="cannot be written"):
-        plain.to_npz(tmp_path / "no" / "such.npz")
-
-
-def test_npz_of_others(tmp_path):
-    path = tmp_path / "mine.npz"
-    np.savez(path, heights=HEIGHTS, spacing=(5.0, 5.0))
-    terrain = terrains.load(path)
-    same(terrain, origin=(0.0, 0.0), spacing=(5.0, 5.0))
-    assert (terrain.name, terrain.source) == ("mine", str(path))
-    holed = HEIGHTS.copy()
-    holed[2, 3] = np.nan
-    np.savez(path, heights=holed, spacing=(5.0, 5.0))
-    with pytest.raises(VoidError) as caught:
-        terrains.load(path)
-    assert caught.value.first == (2, 3)
-    assert np.isfinite(terrains.load(path, fill="interpolate").heights).all()
-
-
-@pytest.mark.parametrize(
-    ("content", "error", "message"),
-    [
-        ({"elevation": HEIGHTS, "dx": 1.0}, FileError, "lacks heights, spacing .*dx, elevation"),
-        ({"heights": HEIGHTS}, FileError, "lacks spacing"),
-        ({"heights": HEIGHTS[0], "spacing": (1.0, 1.0)}, TerrainError, "shape"),
-        ({"heights": HEIGHTS, "spacing": 1.0}, ArgumentError, "spacing"),
-        ({"heights": HEIGHTS, "spacing": (0.0, 1.0)}, ArgumentError, "spacing"),
-        ({"heights": np.array([[None]]), "spacing": (1.0, 1.0)}, FileError, "cannot be read"),
-    ],
-)
-def test_npz_that_is_no_terrain(tmp_path, content, error, message):
-    path = tmp_path / "other.npz"
-    np.savez(path, **content)
-    with pytest.raises(error, match=message):
-        terrains.load(path)
-
-
-def test_npz_that_is_no_npz(tmp_path):
-    path = tmp_path / "other.npz"
-    for content in (b"", b"junk", b"PK\x03\x04junk"):
-        path.write_bytes(content)
-        with pytest.raises(FileError, match="NPZ"):
-            terrains.load(path)
-    with path.open("wb") as file:
-        np.save(file, HEIGHTS)  # one array, not an archive
-    with pytest.raises(FileError, match="NPZ"):
-        terrains.load(path)
 
 
 def test_geotiff_there_and_back(tmp_path, tif):

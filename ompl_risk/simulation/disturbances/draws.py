@@ -8,14 +8,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ompl_risk._arrays import FloatArray, readonly
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, readonly
 from ompl_risk._kernels import normals
 from ompl_risk.errors import ArgumentError
 from ompl_risk.simulation.disturbances.together import Disturbances
 
 
 @dataclass(frozen=True, eq=False, init=False)
-class Draws:
+class Draws(ReadOnlyArrays):
     """Random numbers of N rollouts, the same for every plan: common random numbers.
 
     Arrays are read-only.
@@ -55,10 +55,6 @@ class Draws:
     def __len__(self) -> int:
         """Rollouts."""
         return len(self.seeds)
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickled arrays are writable: go through the constructor.
-        return Draws, (self.seeds, self.amplitudes, self.log_weights)
 
     @classmethod
     def make(cls, count: int, seed: int, disturbances: Disturbances) -> Draws:

@@ -10,12 +10,15 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ompl_risk._arrays import FloatArray, positive, readonly, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive, readonly, real_number
 from ompl_risk._kernels import terrain_error as kernels
 from ompl_risk.errors import ArgumentError
 
 SRTM = 16.0 / 1.645
-"""Standard deviation [m] of heights that are within 16 m with probability 0.90: 9.73 m."""
+"""Standard deviation [m] of heights that are within 16 m with probability 0.90: 9.73 m.
+
+That errors are normal and of mean 0 is an assumption: a canopy, for one, raises the map.
+"""
 
 SRTM_NORTH_AMERICA = 9.0 / 1.645
 """The same [m] for 9 m with probability 0.90: 5.47 m."""
@@ -24,7 +27,7 @@ GOLDEN = 0.5 * (math.sqrt(5.0) - 1.0)
 
 
 @dataclass(frozen=True)
-class TerrainError:
+class TerrainError(ReadOnlyArrays):
     """Errors of a map's heights: a stationary Gaussian field over the whole map.
 
     ::
@@ -42,10 +45,12 @@ class TerrainError:
 
     The default is the Shuttle Radar Topography Mission's requirement, 16 m at 90 %, which tests
     found to be met with room to spare (5.6 to 9 m on the continents). Its errors are correlated:
-    over hundreds of metres where a lidar could be compared, through canopy and relief, and over
-    much longer distances through the attitude of the antennas. ``length`` = 300 m stands for the
-    former: a correlation of 0.61 at 300 m, 0.14 at 600 m and 0.05 at 734 m. Longer lengths make
-    the error more of a constant, shorter ones give a flight more independent chances to collide.
+    over hundreds of metres in two places of low relief where a lidar could be compared, through
+    canopy among others. Others found parts that are random from place to place, and parts with
+    wavelengths of continents. ``length`` = 300 m, and that the covariance is a Gaussian one, are
+    assumptions about the first, of which the source names no more than the order: a correlation of
+    0.61 at 300 m, 0.14 at 600 m and 0.05 at 734 m. Longer lengths make the error more of a
+    constant, shorter ones give a flight more independent chances to collide.
 
     Args:
         deviation: standard deviation [m].
@@ -59,12 +64,15 @@ class TerrainError:
     Reference:
         Farr et al., The Shuttle Radar Topography Mission, Reviews of Geophysics 45 (2007), and
         Rodriguez, Morris & Belz, A global assessment of the SRTM performance, Photogrammetric
-        Engineering & Remote Sensing 72 (2006) (16 m at 90 %; what was found);
+        Engineering & Remote Sensing 72 (2006) (16 m at 90 %; what was found, by continents);
+        Rodriguez et al., An assessment of the SRTM topographic products, JPL D-31639 (2005) (long
+        and short wavelengths);
         LaLonde, Shortridge & Messina, The influence of land cover on Shuttle Radar Topography
         Mission (SRTM) elevations in low-relief areas, Transactions in GIS 14 (2010) ("spatial
         autocorrelation of errors persisted hundreds of meters");
-        Shinozuka & Deodatis, Simulation of stochastic processes by spectral representation,
-        Applied Mechanics Reviews 44 (1991) (sums of waves).
+        Shinozuka & Deodatis, Simulation of multi-dimensional Gaussian stochastic fields by spectral
+        representation, Applied Mechanics Reviews 49 (1996) (sums of waves, whose phases are random
+        there and whose amplitudes are given; with random ones the sum is Gaussian for any m).
     """
 
     deviation: float = SRTM

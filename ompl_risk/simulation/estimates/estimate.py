@@ -9,7 +9,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from ompl_risk._arrays import FloatArray, as_floats, positive, readonly, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, as_floats, positive, readonly, real_number
 from ompl_risk._kernels.air import LEFT_MAP, LOST_CONTROL, TOUCHED
 from ompl_risk.errors import ArgumentError
 from ompl_risk.simulation.estimates.export import LEVELS, as_dict, sentence
@@ -17,7 +17,7 @@ from ompl_risk.simulation.estimates.intervals import counted, weighed
 
 
 @dataclass(frozen=True, eq=False)
-class CollisionEstimate:
+class CollisionEstimate(ReadOnlyArrays):
     """Probability that a plan ends in collision, from N independent rollouts; arrays are read-only.
 
     ::
@@ -91,10 +91,6 @@ class CollisionEstimate:
         positive("heaviest", self.heaviest)
         if isinstance(self.looks, bool) or not isinstance(self.looks, int) or self.looks < 1:
             raise ArgumentError("looks", self.looks, "a whole number from 1")
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickled arrays are writable: go through the constructor.
-        return CollisionEstimate, tuple(getattr(self, field) for field in self.__annotations__)
 
     @property
     def rollouts(self) -> int:

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-from typing import Any
-
 import numpy as np
 from scipy.linalg import solve_discrete_are
 
-from ompl_risk._arrays import FloatArray
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays
 from ompl_risk._kernels import closed_loop, deviations, track
 from ompl_risk._kernels.closed_loop import Loop
 from ompl_risk.errors import ArgumentError
@@ -35,7 +33,7 @@ LEAN = 0.5
 """By how much more or less than planned the vehicle leans in order to get back [rad]."""
 
 
-class HelicopterPlan(Plan):
+class HelicopterPlan(ReadOnlyArrays, Plan):
     """A helicopter that tracks a flight by a time-varying linear quadratic regulator.
 
     ::
@@ -85,12 +83,8 @@ class HelicopterPlan(Plan):
         change = limits.control_rates(flight.helicopter) * flight.dt
         self._loop = Loop(
             flight.states, self.velocities, flight.controls, self.gains, _closed(_most(self.gains)),
-            _closed(low), _closed(high), _closed(change), _given(flight), float(flight.dt),
+            _closed(low), _closed(high), _closed(change), flight.helicopter.given, float(flight.dt),
         )  # fmt: skip
-
-    def __reduce__(self) -> tuple[Any, ...]:
-        # Unpickled arrays are writable, and kernels would be compiled anew for them.
-        return type(self), (self.flight, self.limits, self.name)
 
     def __repr__(self) -> str:
         return f"HelicopterPlan({self.flight!r}, name={self.name!r})"
@@ -104,7 +98,7 @@ def gains(flight: Flight, limits: Limits) -> FloatArray:
     """K_k of every step, in the units of the controls, shape (n, 4, 12)."""
     spans = units(limits, flight.helicopter) * EFFORT
     a, b = deviations.sensitivities(
-        flight.states, flight.controls, flight.dt, _given(flight), spans, DIFFERENCE
+        flight.states, flight.controls, flight.dt, flight.helicopter.given, spans, DIFFERENCE
     )
     turn = _levelling(flight.states)
     back = 2.0 * np.eye(deviations.DEVIATION) - turn  # its inverse
@@ -142,11 +136,6 @@ def _check(flight: Flight, limits: Limits) -> None:
     if broken is not None:
         allowed = f"{broken.range} ({broken.name}), or pass the limits that it was planned with"
         raise ArgumentError(f"flight.controls[{broken.step}]", broken.value, allowed)
-
-
-def _given(flight: Flight) -> FloatArray:
-    """The helicopter's parameters, read-only also where it comes from another process."""
-    return _closed(flight.helicopter.given)
 
 
 def _closed(values: object) -> FloatArray:

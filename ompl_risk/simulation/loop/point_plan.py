@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 from scipy.linalg import solve_discrete_are, solveh_banded
 
-from ompl_risk._arrays import FloatArray, positive, readonly, real_number
+from ompl_risk._arrays import FloatArray, ReadOnlyArrays, positive, readonly, real_number
 from ompl_risk._interpolation import linear
 from ompl_risk._kernels.point_loop import PointLoop, roll_out_point
 from ompl_risk.errors import ArgumentError
@@ -22,7 +22,7 @@ SHARE = 0.6
 """Part of the acceleration that the planned motion may take; the rest is left to feedback."""
 
 
-class PointPlan(Plan):
+class PointPlan(ReadOnlyArrays, Plan):
     """A point mass that tracks a trajectory by a linear quadratic regulator.
 
     ::
