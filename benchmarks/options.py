@@ -10,7 +10,7 @@ from benchmarks.baseline import FILE
 
 COMMANDS = (
     "peers (beside other libraries and planners), objectives (what they choose), "
-    "helicopter (the paper's scenario)"
+    "helicopter (the paper's scenario), evidence (which norm finds the safest flight)"
 )
 
 

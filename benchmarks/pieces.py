@@ -85,10 +85,10 @@ class Pieces:
 
     def _numbers(self, folder: Path, count: int | None) -> list[int]:
         """Of the pieces that have a file, in order."""
-        paths = (folder / f"{self.thing}s").glob(f"*{self.suffix}")
-        found = {int(path.stem): path for path in paths if path.stem.isdecimal()}
-        ours = [number for number, path in found.items() if path == self.path(folder, number)]
-        return sorted(number for number in ours if count is None or number < count)
+        paths = set((folder / f"{self.thing}s").glob(f"*{self.suffix}"))
+        found = {int(path.stem) for path in paths if path.stem.isdecimal()}
+        ours = found.intersection(range(count)) if count is not None else found
+        return sorted(number for number in ours if self.path(folder, number) in paths)
 
     def _refuse(self, folder: Path, number: int, what: list[str]) -> None:
         more = f" and {len(what) - TOLD} more" if len(what) > TOLD else ""

@@ -21,8 +21,10 @@ class ReadOnlyArrays:
     objects in them take care of their own.
     """
 
-    def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state)
+    def __setstate__(self, state: Any) -> None:
+        for part in state if isinstance(state, tuple) else (state,):  # a subclass may have slots
+            for name, value in (part or {}).items():
+                object.__setattr__(self, name, value)
         _close(state)
 
 

@@ -206,7 +206,9 @@ class Trajectory(ReadOnlyArrays):
         t = np.concatenate([[0.0], np.cumsum(steps)]) / positive("speed", speed)
         moved = np.concatenate([[True], np.diff(t) > 0])
         if moved.sum() < 2:
-            raise ArgumentError("positions", f"{len(positions)} points", "at least two different")
+            raise ArgumentError(
+                "length of positions", 0.0, "positive: at least two different points"
+            )
         return cls(t[moved], positions[moved], name)
 
     @classmethod

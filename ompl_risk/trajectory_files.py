@@ -136,13 +136,13 @@ def _columns_of(path: Path, line: int, header: list[str]) -> tuple[str, ...]:
         "expected a header of t,x,y,z and optionally qx,qy,qz,qw, vx,vy,vz and controls "
         "(u_c,u_psi,gamma_p,gamma_r, or u1,u2 and so on), by commas"
     )
-    doubled = sorted({c for c in header if header.count(c) > 1})
-    if doubled:
-        raise FileError(path, f"line {line}: columns {', '.join(doubled)} stand twice", expected)
     known = expected_columns(header)
     missing = [column for column in known if column not in header]
     if missing:
         raise FileError(path, f"line {line}: no column {', '.join(missing)}", expected)
+    doubled = sorted({c for c in header if header.count(c) > 1})
+    if doubled:
+        raise FileError(path, f"line {line}: columns {', '.join(doubled)} stand twice", expected)
     if HELICOPTER[0] in known and "u1" in known:
         raise FileError(path, f"line {line}: both u_c and u1", "controls have one set of names")
     return known

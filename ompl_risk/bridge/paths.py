@@ -168,15 +168,17 @@ def _propagated(path: oc.PathControl) -> tuple[oc.PathControl, np.ndarray]:
     keeps the path's own next state, so what is left of the control's duration is that of the last.
 
     Raises:
-        ArgumentError: states and controls that do not fit, or a control that is held backwards.
+        ArgumentError: states and controls that do not fit, or a control that is not held for a
+            finite time of 0 s or more.
     """
     states, controls = path.getStateCount(), path.getControlCount()
     if states not in (0, controls + 1):
         given = f"{states} states and {controls} controls"
         raise ArgumentError("path", given, "one of one state more than controls")
     held = path.getControlDurations()
-    if not all(duration >= 0.0 for duration in held):
-        raise ArgumentError("path", f"a control held for {min(held):g} s", "one of 0 s or more")
+    for duration in held:
+        if not 0.0 <= duration < math.inf:
+            raise ArgumentError("path", f"a control held for {duration:g} s", "one of 0 s or more")
     fine = oc.PathControl(path)
     fine.interpolate()
     steps = np.array(fine.getControlDurations(), dtype=np.float64)

@@ -79,7 +79,7 @@ def read_input(file: Path, name: str) -> Input:
     if "positions" in names or "states" not in names:
         return Input(file, read_trajectory(file, name=name))
     flight = read_flight(file)
-    every = max(math.floor(STEP / flight.dt + 1e-9), 1)
+    every = max(math.floor(min(STEP / flight.dt + 1e-9, len(flight))), 1)
     try:
         return Input(file, flight.trajectory(name, step=every * flight.dt), flight)
     except ArgumentError as error:

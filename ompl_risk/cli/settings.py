@@ -85,7 +85,7 @@ class PlanSettings(JudgeSettings):
             planner of OMPL that runs them all, such as rrtstar or bitstar.
         count: number of paths to find and rank, also called --alternatives.
         separation: least Frechet distance between two chosen paths, in distances from start to
-            goal.
+            goal; those of the roadmap that pass summits on different sides may be nearer.
         samples: places that the roadmap samples; 30,000 for the point and 3,000 for the
             helicopter, whose roadmap has a vertex for every cruise speed at each, if left out.
         roadmap_norm: norm that the roadmap counts risk by: L1, L2, any Lp, Linf, H1.

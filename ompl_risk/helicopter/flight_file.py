@@ -64,7 +64,9 @@ def read_flight(path: str | Path) -> Flight:
             goal=arrays["goal"],
             helicopter=_helicopter(arrays["helicopter"]),
         )
-    except (KeyError, ArgumentError, TypeError) as error:
+    except KeyError as error:
+        raise FileError(path, f"no array {error.args[0]}", wanted) from None
+    except (ArgumentError, TypeError) as error:
         raise FileError(path, str(error), wanted) from None
 
 

@@ -127,8 +127,8 @@ def _distinct_trajectories(trajectories: Iterable[Trajectory]) -> tuple[Trajecto
 
 
 def _distinct_norms(norms: Iterable[Norm]) -> tuple[Norm, ...]:
-    if isinstance(norms, Norm):
-        raise ArgumentError("norms", norms, "a list of norms")
+    if isinstance(norms, Norm | str):
+        raise ArgumentError("norms", norms, "a list of norms, such as [Sobolev(1)]")
     norms = tuple(norms)
     if not norms:
         raise ArgumentError("norms", norms, "at least one norm")

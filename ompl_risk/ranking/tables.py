@@ -73,9 +73,9 @@ def norm_table(
     for norm in ranking.norms:
         unit = norm_unit(norm, of="1" if of_probability else ranking.avoidance.unit)
         table.add_column(Text(f"{norm.label}\n[{unit}]"), justify="right")
-    for a in ranking.assessments:
-        norms = a.pc_norms if of_probability else a.norms
-        table.add_row(Text(a.name), *(_value(norms, k, orders, a.name) for k in ranking.labels))
+    rows = {a.name: a.pc_norms if of_probability else a.norms for a in ranking.assessments}
+    for name in rows:
+        table.add_row(Text(name), *(_value(rows, k, orders[k], name) for k in ranking.labels))
     return table
 
 
@@ -150,8 +150,10 @@ def attributions(ranking: Ranking) -> Table:
 def duration_note(ranking: Ranking) -> Text:
     """What to do about durations that do not compare."""
     fronts = "; ".join(f"{label}: {', '.join(ranking.pareto(label))}" for label in ranking.labels)
+    percent = 100 * ranking.duration_spread
+    spread = f"{percent:.3g}" if percent < 1000 else f"{percent:,.0f}"
     return Text(
-        f"Durations differ by {100 * ranking.duration_spread:.3g} %, more than "
+        f"Durations differ by {spread} %, more than "
         f"{100 * ranking.duration_tolerance:.3g} %, so the norms do not compare as they stand. "
         f"Not beaten in both duration and norm: {fronts}.",
         style="yellow",
@@ -164,12 +166,12 @@ def _titled(title: str) -> Table:
 
 
 def _value(
-    norms: Mapping[str, float], label: str, orders: Mapping[str, tuple[str, ...]], name: str
+    rows: Mapping[str, Mapping[str, float]], label: str, order: tuple[str, ...], name: str
 ) -> Text:
-    text = f"{norms[label]:.4g}"
-    if name == orders[label][0] and norms[label] < math.inf:
-        return Text(f"* {text}", style=SAFEST)
-    return Text(text, style=RISKIEST if name == orders[label][-1] else "")
+    value, least = rows[name][label], rows[order[0]][label]
+    if value == least < math.inf:
+        return Text(f"* {value:.4g}", style=SAFEST)
+    return Text(f"{value:.4g}", style=RISKIEST if name == order[-1] else "")
 
 
 def _sentence(a: Assessment, label: str) -> str:

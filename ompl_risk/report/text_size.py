@@ -16,5 +16,7 @@ def text_width(text: str, size: float, *, bold: bool = False) -> float:
         size: of the type [pt].
         bold: whether it is bold.
     """
+    if not text.strip():
+        return 0.0  # it has no outline
     font = FontProperties(weight="bold" if bold else "normal")
     return float(TextPath((0.0, 0.0), text, size, prop=font).get_extents().x1) / POINTS_PER_INCH

@@ -177,13 +177,16 @@ def _within(
     """The ways of a problem, all within the limits.
 
     A sum may be within a limit in ticks, and beyond it in double precision. Others may be missing
-    for the sake of such a way, so it is excluded and the search repeated.
+    for the sake of such a way, so it is excluded and the search repeated. That also excludes ways
+    that take no fewer ticks but are within the limit, so those that were found before are kept.
     """
+    found: list[Way] = []
     while True:
         ways, totals = problem.solve(precision, most)
         beyond = np.array([(w.duration > longest, w.risk > riskiest) for w in ways]).reshape(-1, 2)
+        found += [way for way, out in zip(ways, beyond.tolist(), strict=True) if not any(out)]
         if not beyond.any():
-            return ways
+            return tuple(found)
         excluding = np.where(beyond, totals - 1, problem.limits).min(axis=0)
         problem = replace(problem, limits=excluding)
 

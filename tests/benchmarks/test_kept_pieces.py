@@ -101,6 +101,19 @@ def test_files_of_other_names_are_nobodys(tmp_path, name):
     assert list(LOAVES.kept(tmp_path, text, same, say=pytest.fail)) == [(3, "loaf 3")]
 
 
+@pytest.mark.parametrize("backwards", [False, True])
+def test_another_name_of_the_same_number_hides_no_piece(tmp_path, monkeypatch, backwards):
+    bake(tmp_path, 3)
+    (tmp_path / "loafs" / "3.txt").write_text("burnt")
+    listed = Path.glob  # in any order
+
+    def glob(path, pattern):
+        return iter(sorted(listed(path, pattern), reverse=backwards))
+
+    monkeypatch.setattr(Path, "glob", glob)
+    assert list(LOAVES.kept(tmp_path, text, same, say=pytest.fail)) == [(3, "loaf 3")]
+
+
 @pytest.mark.parametrize(
     ("count", "told"), [(1, "a"), (3, "a and b and c"), (5, "a and b and c and 2 more")]
 )

@@ -359,6 +359,7 @@ def test_controls_that_do_not_fit_are_named():
         path.append(state)
     with pytest.raises(ArgumentError, match=r"2 states and 0 controls.*one state more"):
         objective().norm(path)
-    backwards = drifted([50.0, 50.0, 10.0], [[0.0, 0.0, 3.0]], [-1.0])
-    with pytest.raises(ArgumentError, match=r"held for -1 s.*0 s or more"):
-        objective().norm(backwards)
+    for seconds in (-1.0, math.inf, math.nan):
+        wrong = drifted([50.0, 50.0, 10.0], [[1.0, 1.0, 3.0]], [seconds])
+        with pytest.raises(ArgumentError, match=rf"held for {seconds:g} s.*0 s or more"):
+            objective().norm(wrong)

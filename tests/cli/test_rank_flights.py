@@ -154,6 +154,12 @@ def test_flights_are_ranked_every_tenth_of_a_second_or_a_little_less(dt, step, t
     assert read.trajectory.positions[1].tolist() == hover[every, :3].tolist()
 
 
+def test_steps_of_next_to_no_time_are_ranked_as_one(tmp_path):
+    hover = np.tile(make_state((10.0, 20.0, 30.0)), (11, 1))
+    write_flight(tmp_path / "hover.npz", Flight(1e-320, hover, np.zeros((10, 4)), hover))
+    assert len(read_input(tmp_path / "hover.npz", "H").trajectory) == 2
+
+
 def changed(file, **arrays):
     with np.load(file) as given:
         arrays = {**{name: given[name] for name in given.files}, **arrays}
@@ -163,7 +169,7 @@ def changed(file, **arrays):
 @pytest.mark.parametrize(
     ("arrays", "parts"),
     [
-        ({"goal": None}, ["goal", "expected a flight", "planned_times"]),
+        ({"goal": None}, ["no array goal", "expected a flight", "planned_times"]),
         ({"controls": np.zeros((3, 4))}, ["(4, 13)", "expected a flight"]),
         ({"format": np.array(7)}, ["format 7", "reads format 1"]),
         ({"states": None}, ["holds the arrays", "t, positions", "plan --vehicle helicopter"]),

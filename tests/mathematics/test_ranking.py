@@ -152,6 +152,7 @@ def test_probability_is_ranked_by_the_same_norms():
         ({"norms": []}, "norms = .*at least one"),
         ({"norms": [Lp(2), Sobolev(1), Lp(2)]}, r"norms\[2\] = 'L2'.*\[0\] too"),
         ({"norms": [max]}, "class Norm"),
+        ({"norms": "H1"}, r"norms = 'H1'.*a list.*Sobolev\(1\)"),
         ({"duration_tolerance": -0.1}, "duration_tolerance = -0.1"),
         ({"duration_tolerance": math.nan}, "duration_tolerance = nan"),
         ({"max_step": 0}, "max_step = 0"),

@@ -117,6 +117,14 @@ def test_tables_fit_80_columns_and_keep_brackets(ranking):
     assert "Durations differ" not in text
 
 
+def test_tables_mark_all_that_are_equally_safe():
+    trajectories = [
+        Trajectory(T, np.stack([30 * T, 0 * T, 0 * T + z], axis=1), f"{z}") for z in (200, 300)
+    ]
+    ranking = rank(trajectories, lambda p: p[:, 2], InverseDistance(100.0))
+    assert printed(ranking).count("* 0 ") == 2 * len(ranking.norms)
+
+
 def test_tables_say_that_durations_do_not_compare():
     slow = Trajectory(2 * T, np.stack([30 * T, 0 * T, 0 * T + 50], axis=1), "slow")
     quick = Trajectory(T, np.stack([30 * T, 0 * T, 0 * T + 500], axis=1), "quick")

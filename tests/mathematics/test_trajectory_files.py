@@ -145,6 +145,7 @@ HEADER = "t,x,y,z\n"
         ("a.csv", "#\nt,x,y,z,qx,qw\n", "line 2: no column qy, qz"),
         ("a.csv", "t,x,y,z,vx\n", "line 1: no column vy, vz"),
         ("a.csv", "t,x,y,z,x\n", "line 1: columns x stand twice"),
+        ("a.csv", "0,9,9,1\n5,9,8,1\n", "line 1: no column t, x, y, z; expected a header"),
         ("a.csv", "t,x,y,z,u_c,gamma_p\n", "line 1: no column u_psi, gamma_r; expected"),
         ("a.csv", "t,x,y,z,u1,u3\n", "line 1: no column u2"),
         ("a.csv", "t,x,y,z,u999999999\n", "line 1: no column u1;"),

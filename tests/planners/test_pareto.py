@@ -177,6 +177,15 @@ def test_rounding_beyond_the_limit_loses_no_way():
     assert not len(pareto_set(graph, 0, 2, riskiest=1.9))
 
 
+def test_a_way_that_rounds_beyond_the_limit_takes_no_way_within_along():
+    """In double precision 3.6 + 0.2 > 3.8, but 1.6 + 0.4 + 1.8 = 3.8."""
+    ends = [(0, 2), (2, 1), (0, 3), (3, 4), (4, 1)]
+    duration, risk = [3.6, 0.2, 1.6, 0.4, 1.8], [5.0, 0.0, 2.0, 0.0, 0.0]
+    graph = Graph.of_edges(5, ends, risk, duration, undirected=False)
+    (way,) = pareto_set(graph, 0, 1, longest=3.8)
+    assert way.edges.tolist() == [2, 3, 4]
+
+
 def random_graph(seed, n, m, *, whole=False, **kind):
     rng = np.random.default_rng(seed)
     ends = rng.integers(0, n, (m, 2))

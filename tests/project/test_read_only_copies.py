@@ -213,3 +213,20 @@ def test_a_copy_of_a_subclass_is_one():
     named = Named([0.0, 1.0], X[:2], "A")
     assert type(copy.deepcopy(named)) is Named
     assert copy.copy(named).name == "A"
+
+
+class Slotted(risk.Trajectory):
+    """Has a place for an array outside its dictionary."""
+
+    __slots__ = ("marks",)
+
+
+@pytest.mark.parametrize("how", COPIES)
+def test_slots_of_a_subclass_are_copied_too(how):
+    slotted = Slotted([0.0, 1.0], X[:2], "A")
+    object.__setattr__(slotted, "marks", np.ones(2))
+    other = COPIES[how](slotted)
+    assert other.name == "A"
+    assert other.marks.tolist() == [1.0, 1.0]
+    assert not other.marks.flags.writeable
+    assert not other.positions.flags.writeable

@@ -94,6 +94,14 @@ def test_long_names_have_room(hill):
     assert outside(found, figure.bbox) == []
 
 
+def test_flights_without_names_are_drawn(hill):
+    unnamed = flights(2, "")
+    assert len(flight_views(unnamed, hill, poses=2).axes) == 3
+    axes = new_figure(5.0, 5.0).add_axes((0.1, 0.1, 0.8, 0.8))
+    draw_plan_view(axes, hill, unnamed, ["", ""])
+    assert len(axes.texts) >= 2
+
+
 def test_most_can_be_chosen(hill):
     many = flights(5)
     figure = flight_views(many, hill, poses=2, most=3)
