@@ -43,7 +43,7 @@ def _parser(program: str, names: Collection[str], gated: bool) -> argparse.Argum
         epilog=f"commands with options of their own: {COMMANDS}" if gated else None,
     )
     size = parser.add_mutually_exclusive_group()
-    size.add_argument("--quick", action="store_true", help="smaller; takes about a minute")
+    size.add_argument("--quick", action="store_true", help="smaller; takes half a minute")
     size.add_argument("--full", action="store_true", help="the usual size, also with --gate")
     parser.add_argument(
         "--only", action="append", choices=list(names), metavar="NAME",

@@ -15,7 +15,7 @@ from ompl_risk.cli.progress import progress_bar
 from ompl_risk.cli.run_folder import RunFolder
 from ompl_risk.cli.scene import Scene
 from ompl_risk.cli.settings import JudgeSettings, PlanSettings
-from ompl_risk.errors import PlanningError
+from ompl_risk.errors import ArgumentError, PlanningError
 from ompl_risk.helicopter.flight import Flight
 from ompl_risk.helicopter.flight_file import write_flight
 from ompl_risk.simulation.budget import Budgeted, fastest_within
@@ -32,6 +32,17 @@ LEAST_BUDGET = 1e-5
 
 STEP = 0.1
 """Time between the samples of a flight that are written [s]."""
+
+
+def check_disturbances(settings: JudgeSettings, *, flown: bool, by: str = "--rollouts") -> None:
+    """Refuse a level of disturbances that has no say.
+
+    Raises:
+        ArgumentError: nothing is flown in them.
+    """
+    if not flown and settings.disturbances != JudgeSettings().disturbances:
+        allowed = f"left out without {by}: nothing else is flown in disturbances"
+        raise ArgumentError("disturbances", settings.disturbances, allowed)
 
 
 def closed_loop(

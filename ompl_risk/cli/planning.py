@@ -11,6 +11,7 @@ from ompl_risk.clearance.threads import thread_count
 from ompl_risk.cli.candidates import CandidateFinder
 from ompl_risk.cli.closed_loop import (
     LEAST_BUDGET,
+    check_disturbances,
     closed_loop,
     spend_budget,
     write_closed_loop,
@@ -113,6 +114,11 @@ def _finder(settings: PlanSettings, problem: planners.Problem) -> Finder:
     if budget is not None and not LEAST_BUDGET <= budget < 1.0:
         allowed = f"between 0 and 1, and {LEAST_BUDGET:g} at least: less takes too many rollouts"
         raise ArgumentError("max_collision_probability", budget, allowed)
+    check_disturbances(
+        settings,
+        flown=settings.rollouts is not None or budget is not None,
+        by="--rollouts or --max-collision-probability",
+    )
     kind = settings.planner.lower()
     idle = OF_SEARCHES if kind == ROADMAP else OF_ROADMAP
     _refuse_idle(settings, idle, f"--planner {settings.planner}")

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from ompl_risk.cli.closed_loop import closed_loop, write_closed_loop
+from ompl_risk.cli.closed_loop import check_disturbances, closed_loop, write_closed_loop
 from ompl_risk.cli.inputs import Input, read_input
 from ompl_risk.cli.judging import Judgement, judge, report
 from ompl_risk.cli.run_folder import RunFolder, settings_as_values
@@ -31,6 +31,7 @@ def rank_files(
     Raises:
         OmplRiskError: a setting or a file is wrong.
     """
+    check_disturbances(settings, flown=settings.rollouts is not None)
     names = _names(files)
     inputs = [read_input(file, name) for file, name in zip(files, names, strict=True)]
     read = [one.trajectory for one in inputs]

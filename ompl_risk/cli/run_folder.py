@@ -26,11 +26,18 @@ PACKAGES = (
 )  # fmt: skip
 
 
+CONFIG = "config.toml"
+
+RESOLVED = "Resolved configuration"
+"""What the comment at the top of a run's configuration begins with."""
+
+
 class RunFolder:
     """Where a run's results are written; made at once, so that an obstacle shows early.
 
     Args:
-        path: a folder that does not exist or is empty; runs/TIME if None.
+        path: a folder that does not exist, is empty, or holds no more than the configuration of a
+            run that was broken off; runs/TIME if None.
 
     Raises:
         ArgumentError: the folder holds something already.
@@ -42,7 +49,7 @@ class RunFolder:
         self.path = _unused() if path is None else path
         try:
             self.path.mkdir(parents=True, exist_ok=True)
-            occupied = any(self.path.iterdir())
+            occupied = any(not _is_resolved(entry) for entry in self.path.iterdir())
         except OSError as error:
             raise FileError(self.path, error.strerror or str(error)) from None
         if occupied:
@@ -65,8 +72,8 @@ class RunFolder:
 
     def write_config(self, command: str, values: Mapping[str, Any]) -> None:
         """Write the resolved configuration."""
-        comment = f"Resolved configuration; repeat with: ompl-risk {command} --config config.toml"
-        self._write("config.toml", to_toml(values, comment))
+        comment = f"{RESOLVED}; repeat with: ompl-risk {command} --config config.toml"
+        self._write(CONFIG, to_toml(values, comment))
 
     def write_trajectories(
         self, ranking: Ranking, profiles: Mapping[str, CollisionProfile]
@@ -122,6 +129,14 @@ def versions() -> dict[str, str]:
         except metadata.PackageNotFoundError:
             found[package] = "not installed"
     return found
+
+
+def _is_resolved(path: Path) -> bool:
+    """Whether that is the configuration which a run wrote when it began."""
+    if path.name != CONFIG or not path.is_file():
+        return False
+    with path.open("rb") as file:
+        return file.readline().startswith(f"# {RESOLVED}".encode())
 
 
 def _unused() -> Path:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from scipy.spatial.transform import Rotation
 
 from ompl_risk.errors import ArgumentError, FileError
 from ompl_risk.helicopter.flight import Flight
@@ -13,6 +14,9 @@ from ompl_risk.helicopter.parameters import Helicopter
 
 FORMAT = 1
 """Version of the file's format."""
+
+GAP = 0.1
+"""How far a state may be from where the velocities lead [m]: curves bend that little in a step."""
 
 ARRAYS = "dt", "states", "controls", "planned", "planned_times", "goal"
 
@@ -41,7 +45,8 @@ def read_flight(path: str | Path) -> Flight:
     """Read what `write_flight` wrote.
 
     Raises:
-        FileError: no such file, another format or version, or arrays that do not make a flight.
+        FileError: no such file, another format or version, arrays that do not make a flight, or
+            states that do not follow from each other.
     """
     wanted = f"expected a flight: arrays format, helicopter, {', '.join(ARRAYS)}"
     try:
@@ -55,7 +60,7 @@ def read_flight(path: str | Path) -> Flight:
     if version != FORMAT:
         raise FileError(path, f"format {version}", f"this version reads format {FORMAT}")
     try:
-        return Flight(
+        flight = Flight(
             float(arrays["dt"]),
             arrays["states"],
             arrays["controls"],
@@ -68,6 +73,21 @@ def read_flight(path: str | Path) -> Flight:
         raise FileError(path, f"no array {error.args[0]}", wanted) from None
     except (ArgumentError, TypeError) as error:
         raise FileError(path, str(error), wanted) from None
+    gap, step = _greatest_gap(flight)
+    if gap > GAP:
+        what = f"the place jumps {gap:.3g} m off its velocity from states[{step}] to the next"
+        raise FileError(path, what, f"states that follow from each other to {GAP:g} m")
+    return flight
+
+
+def _greatest_gap(flight: Flight) -> tuple[float, int]:
+    """How far a state is from where the velocities lead from the one before it [m]; which one."""
+    states = flight.states.copy()  # SciPy takes no read-only arrays
+    velocity = Rotation.from_quat(states[:, 3:7]).apply(states[:, 7:10])
+    way = 0.5 * flight.dt * (velocity[1:] + velocity[:-1])
+    gaps = np.linalg.norm(np.diff(states[:, :3], axis=0) - way, axis=1)
+    step = int(np.argmax(gaps))
+    return float(gaps[step]), step
 
 
 def _helicopter(given: np.ndarray) -> Helicopter:

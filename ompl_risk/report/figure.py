@@ -94,6 +94,7 @@ def _tables(ranking: Ranking, labels: list[str]) -> list[NormTable]:
             labels,
             {k: [getattr(a, field)[k] for a in ranking.assessments] for k in ranking.labels},
             {norm.label: _unit(norm_unit(norm, of=of)) for norm in ranking.norms},
+            durations=[a.duration for a in ranking.assessments],
         )
         for title, of, field in kinds
     ]

@@ -29,6 +29,7 @@ class NormTable:
         columns: values by the norm's label, one for each trajectory.
         units: unit of each column, by the norm's label.
         form: how numbers are written.
+        durations: of the trajectories; of those with the same value the fastest comes first.
     """
 
     title: str
@@ -36,6 +37,7 @@ class NormTable:
     columns: Mapping[str, Sequence[float]]
     units: Mapping[str, str]
     form: str = "#.3g"
+    durations: Sequence[float] = ()
 
     def text(self, value: float) -> str:
         """A number as it is shown; infinity is a collision."""
@@ -44,7 +46,8 @@ class NormTable:
     def order(self, column: str) -> list[int]:
         """Rows from the least value to the greatest."""
         values = self.columns[column]
-        return sorted(range(len(values)), key=lambda i: (values[i], i))
+        ties = self.durations or [0.0] * len(values)
+        return sorted(range(len(values)), key=lambda i: (values[i], ties[i], i))
 
 
 def draw_norm_table(axes: Axes, table: NormTable) -> None:

@@ -26,6 +26,7 @@ LARGEST_F = 20.0
 def draw_distance(axes: Axes, assessments: Sequence[Assessment], d0: float) -> None:
     """Draw d(t) with a line at d0; collisions are marked."""
     top = min(BEYOND * d0, 1.05 * max(float(a.d[np.isfinite(a.d)].max()) for a in assessments))
+    top = max(top, 1.5 * min(float(a.d.min()) for a in assessments))  # that some is in sight
     low = min(0.0, *(float(np.maximum(a.d, -0.2 * d0).min()) for a in assessments))
     for i, a in _safest_last(assessments):
         d = np.clip(a.d, low - d0, top + d0)

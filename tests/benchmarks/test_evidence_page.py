@@ -124,7 +124,13 @@ def test_drawing_lots_is_right_more_often_where_the_judge_ties(findings):
     )
     tied = dataclasses.replace(findings, judge=judge)
     assert tied.chance == pytest.approx(0.6)
-    assert "drawing lots would in 60 %" in next(answer(tied))
+    assert "drawing lots would in 60 %" in " ".join(answer(tied))
+
+
+def test_few_test_units_are_warned_of(findings, monkeypatch):
+    assert next(answer(findings)).startswith("**Only 12 test units with a decided set")
+    monkeypatch.setattr("benchmarks.evidence.analysis.words.ENOUGH", 12)
+    assert "Only" not in next(answer(findings))
 
 
 def test_the_answer_says_whether_the_target_is_reached():

@@ -45,6 +45,7 @@ WRONG = [
     (["--avoidance", "cap", "--d0", "-3"], ["--d0 = -3", "positive"]),
     (["--rollouts", "0"], ["--rollouts = 0", "at least 1"]),
     (["--disturbances", "wild"], ["--disturbances", "severe"]),
+    (["--disturbances", "calm"], ["--disturbances = 'calm'", "left out without --rollouts or"]),
     (
         ["--max-collision-probability", "1"],
         ["--max-collision-probability = 1.0", "between 0 and 1"],

@@ -59,6 +59,15 @@ def test_a_wrong_file_is_named(change, says, flight, tmp_path):
         read_flight(path)
 
 
+def test_states_that_jump_are_refused(flight, tmp_path):
+    states = flight.states.copy()
+    states[100:, 0] += 0.3
+    made = type(flight)(flight.dt, states, flight.controls, flight.planned)
+    write_flight(tmp_path / "flight.npz", made)
+    with pytest.raises(FileError, match=r"jumps 0\.\d+ m off its velocity from states\[99\]"):
+        read_flight(tmp_path / "flight.npz")
+
+
 def test_no_file_and_no_npz_are_named(tmp_path):
     with pytest.raises(FileError, match="No such file"):
         read_flight(tmp_path / "none.npz")

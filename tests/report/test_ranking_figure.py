@@ -9,7 +9,8 @@ from ompl_risk.errors import FileError
 from ompl_risk.report import ranking_figure
 from ompl_risk.report.map_labels import label_points
 from ompl_risk.report.norm_tables import NormTable
-from ompl_risk.report.style import RISKIEST, SAFEST, colour, short
+from ompl_risk.report.style import RISKIEST, SAFEST, colour, new_figure, short
+from ompl_risk.report.time_plots import draw_distance
 
 D0 = 60.0
 
@@ -124,7 +125,6 @@ def test_numbers_that_look_the_same_are_marked_the_same(hill):
     from matplotlib.colors import to_hex
 
     from ompl_risk.report.norm_tables import draw_norm_table
-    from ompl_risk.report.style import new_figure
 
     values = [0.12301, 0.12302, 0.5, 0.4]
     table = NormTable("t", "ABCD", {"L2": values}, {"L2": "s"})
@@ -133,6 +133,19 @@ def test_numbers_that_look_the_same_are_marked_the_same(hill):
     fills = [to_hex(patch.get_facecolor()).upper() for patch in axes.patches]
     assert fills == [SAFEST, SAFEST, RISKIEST]
     assert "A B D C" in [text.get_text() for text in axes.texts]
+
+
+def test_of_equal_values_the_fastest_comes_first():
+    table = NormTable("t", "ABC", {"L2": [0.0, 0.0, 0.0]}, {"L2": "s"}, durations=[3.0, 1.0, 2.0])
+    assert table.order("L2") == [1, 2, 0]
+
+
+def test_some_of_the_distance_is_in_sight_however_small_d0_is(three):
+    axes = new_figure(4, 3).add_subplot()
+    draw_distance(axes, three[0].assessments, 0.5)
+    least = min(a.d.min() for a in three[0].assessments)
+    assert least > 2.5 * 0.5
+    assert axes.get_ylim()[1] > least
 
 
 def test_long_names_keep_both_ends():

@@ -59,7 +59,7 @@ def too_little(table: Table) -> str:
     """Why nothing can be fitted, or judged; empty if something can."""
     if not decided(table.part("train")).any():
         return "there is no training set in which the flights' probabilities certainly differ"
-    return "" if len(table.part("test")) else "there is no complete test unit"
+    return "" if len(table.part("test")) else "there is no complete test unit among so few units"
 
 
 def _draw(findings: Findings, page: Path) -> dict[str, str]:

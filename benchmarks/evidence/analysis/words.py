@@ -22,6 +22,9 @@ from benchmarks.evidence.analysis.tables import difference, number, probability,
 
 HALVES, AGAIN = 0, 1
 
+ENOUGH = 30
+"""Test units below which the page warns of what it says."""
+
 
 def answer(findings: Findings) -> Iterator[str]:
     """What was found, a paragraph each."""
@@ -31,6 +34,12 @@ def answer(findings: Findings) -> Iterator[str]:
             "is nothing to find."
         )
         return
+    units = int(findings.judge.decided.any(axis=0).sum())
+    if units < ENOUGH:
+        yield (
+            f"**Only {units} test unit{'s' * (units != 1)} with a decided set: far too few to "
+            "conclude anything.** Intervals are drawn from these alone, and say nothing of others."
+        )
     safest, tau = compare(findings, "safest"), compare(findings, "tau")
     yield _headline(findings, safest, tau)
     yield _target(safest, tau)
