@@ -40,7 +40,8 @@ class Risk:
             none.
         tolerance: pieces of a motion are halved until a share of the cost changes by less than
             this fraction. The cost as a whole is then about as accurate; a piece with an edge of
-            the terrain close to one of its ends may be off by the square root of it.
+            the terrain close to one of its ends may be off by the square root of it, and where f
+            bends, at d0, pieces end at half of it times d0: dips below d0 by less count roughly.
 
     Raises:
         ArgumentError: a norm whose powers do not add up along a path, a weight together with
