@@ -8,6 +8,8 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 from typing import Any
 
+import joblib
+
 PACKAGES = (
     "ompl-risk", "ompl", "python-fcl", "numpy", "numba", "scipy", "trimesh",
     "coal", "open3d", "open3d-cpu", "fcpw", "libigl",
@@ -18,17 +20,11 @@ def machine() -> dict[str, Any]:
     """Processor, memory and operating system, as far as the system tells."""
     return {
         "processor": _processor(),
-        "processors": processors(),
+        "processors": joblib.cpu_count(),
         "memory_gib": _memory(),
         "system": f"{platform.system()} {platform.release()} {platform.machine()}",
         "load": load(),
     }
-
-
-def processors() -> int:
-    """How many this process may use."""
-    affinity = getattr(os, "sched_getaffinity", None)
-    return len(affinity(0)) if affinity else os.cpu_count() or 1
 
 
 def versions() -> dict[str, str]:

@@ -7,9 +7,9 @@ from collections.abc import Sequence
 from functools import partial
 from pathlib import Path
 
+import joblib
 from rich.console import Console
 
-from benchmarks import environment
 from benchmarks.campaign import planners
 from benchmarks.campaign.objectives import OBJECTIVES
 from benchmarks.campaign.output import write_all
@@ -106,7 +106,7 @@ def _summarise(store: Store, made: Sequence[str], out: Console) -> None:
 def _options(argv: Sequence[str]) -> argparse.Namespace:
     parser = _parser()
     options = COMMAND.parsed(parser, argv)
-    processors = environment.processors()
+    processors = joblib.cpu_count()
     if options.workers > processors:
         parser.error(
             f"argument --workers: {options.workers} of them on {processors} processors would "
@@ -137,7 +137,7 @@ def _parser() -> argparse.ArgumentParser:
         )  # fmt: skip
     parser.set_defaults(planners=list(planners.PLANNERS))
     parser.add_argument(
-        "--workers", type=count, default=min(2, environment.processors()), metavar="N",
+        "--workers", type=count, default=min(2, joblib.cpu_count()), metavar="N",
         help="processes at a time (%(default)s); time is processor time, but memory is shared",
     )  # fmt: skip
     parser.add_argument(

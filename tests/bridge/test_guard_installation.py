@@ -1,9 +1,7 @@
 """Guards are put in place and taken away again without a trace."""
 
 import pytest
-from guard_scene import (
-    run,
-)
+from guard_scene import run
 from ompl import base as ob
 from ompl import control as oc
 from ompl import geometric as og

@@ -1,9 +1,7 @@
 """What batches of motions are asked, and the risk they are asked for."""
 
 from ompl_risk.avoidance import InverseDistance
-from ompl_risk.motion import (
-    Risk,
-)
+from ompl_risk.motion import Risk
 from ompl_risk.norms import Sobolev
 
 D0, SPEED = 30.0, 20.0

@@ -6,6 +6,8 @@ import numba
 import numpy as np
 from sst_scene import rotations
 
+from ompl_risk._kernels.branch import least_cost
+
 WEIGHTS = np.array([1.0, 9.0, 1.0])
 
 entry = numba.njit(error_model="numpy")  # not cached: the library drops only its own stale kernels
@@ -23,3 +25,9 @@ def apart(a, b):
 
 def at_rest(x=20.0, y=60.0, z=60.0):
     return np.array([x, y, z, 0.0, 0.0, 0.0, 1.0, *[0.0] * 6])
+
+
+@entry
+def left_to_pay(vehicle, states, rooms, out):
+    for k in range(len(states)):
+        out[k] = least_cost(vehicle, states[k], rooms[k])

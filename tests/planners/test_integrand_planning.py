@@ -5,10 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 from flown_paths import hills, walk
+from sst_kernel_pieces import left_to_pay
 from sst_scene import GOAL, START, growth, planned, ridge, setup_of
 
-from ompl_risk._kernels.branch import least_cost
-from ompl_risk._kernels.jit import entry
 from ompl_risk.avoidance import FlatCap, GaussianTail
 from ompl_risk.clearance import TerrainClearance
 from ompl_risk.errors import ArgumentError
@@ -44,27 +43,6 @@ def test_the_cost_of_sst_s_path_is_its_risk_by_this_function(f):
     assert risk > 1e-4
     assert planner.history[-1].cost == pytest.approx(risk + weight * path.length(), rel=1e-9)
     assert planner.tree.cost == pytest.approx(planner.history[-1].cost, rel=1e-9)
-
-
-@entry
-def left_to_pay(vehicle, states, rooms, out):
-    for k in range(len(states)):
-        out[k] = least_cost(vehicle, states[k], rooms[k])
-
-
-@norms
-@functions
-def test_no_flight_is_cheaper_than_sst_s_bound(f, norm):
-    grown = growth(setup_of(risk=True, norm=norm, avoidance=f))
-    problem, tree, draw = grown
-    while not tree.grow(draw, 1000):
-        pass
-    states = tree.flight().states
-    rooms, bounds = problem.clearance(states[:, :3]), np.empty(len(states))
-    left_to_pay(problem.vehicle, states, rooms, bounds)
-    costs = np.array([problem.cost(states[k:]) for k in range(len(states))])
-    assert (bounds <= costs * (1 + 1e-12) + 1e-15).all()
-    assert bounds[len(bounds) // 2] > 1e-3 * costs[len(bounds) // 2]
 
 
 @functions
